@@ -1,0 +1,1 @@
+"""The YAML schema and its loader: the only place that meets a dict."""

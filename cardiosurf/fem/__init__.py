@@ -1,0 +1,1 @@
+"""Finite elements on surfaces: the only importer of skfem."""

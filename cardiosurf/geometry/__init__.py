@@ -1,0 +1,1 @@
+"""Shapes, surfaces and the regions on them."""

@@ -1,0 +1,26 @@
+"""FitzHugh-Nagumo kinetics with the recovery term as the paper prints it."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from cardiosurf.arrays import Floats
+from cardiosurf.sections import NonNegative, Positive, Section
+
+
+@dataclass(frozen=True)
+class FitzHughNagumo(Section):
+    """Kinetics f = c1 u (u - a)(1 - u) - c2 v, g = b1 (u - b2 v).
+
+    With the printed constants this form carries no wave (docs/physics.md); it is here to show it.
+    """
+
+    model: Literal["fitzhugh_nagumo"] = "fitzhugh_nagumo"
+    a: NonNegative = 0.13
+    b1: NonNegative = 0.013
+    b2: NonNegative = 1.0
+    c1: Positive = 0.26
+    c2: NonNegative = 0.1
+
+    def rates(self, u: Floats, v: Floats) -> tuple[Floats, Floats]:
+        """Return the reaction terms (f, g) of u and v, each (n,), in 1/tu."""
+        return self.c1 * u * (u - self.a) * (1.0 - u) - self.c2 * v, self.b1 * (u - self.b2 * v)

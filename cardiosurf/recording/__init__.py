@@ -1,0 +1,1 @@
+"""Observers of the march and the HDF5 file they become."""

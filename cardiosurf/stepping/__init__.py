@@ -1,0 +1,1 @@
+"""IMEX schemes as data, linear solvers and the one time loop."""

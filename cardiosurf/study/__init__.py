@@ -1,0 +1,1 @@
+"""A config carried through to its verdict."""

@@ -1,0 +1,1 @@
+"""From regions to tissue: diffusivity tensor, excitable mask, stimuli."""
