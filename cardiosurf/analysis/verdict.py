@@ -1,0 +1,90 @@
+"""The verdict of a run: what a recording says about conduction, block and reentry."""
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+from pydantic import TypeAdapter
+
+from cardiosurf.analysis.block import TargetFinding
+from cardiosurf.analysis.reentry import ReentryFinding
+
+SCHEMA: Literal["cardiosurf/verdict/1"] = "cardiosurf/verdict/1"
+
+WholeVerdict = Literal["no_capture", "reentry", "block", "partial", "conduction"]
+
+NO_CAPTURE_ADVICE = (
+    "the stimulus started no wave: raise its amplitude, radius or duration, or check the kinetics"
+    " (fitzhugh_nagumo with the printed constants carries no wave at all)"
+)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The verdict of one run, as it stands in verdict.json.
+
+    Attributes
+    ----------
+    schema : str
+        The version of this layout.
+    name : str
+        The run's name.
+    config_sha256 : str
+        Hash of the resolved config.
+    captured : bool
+        Whether the stimulus started a wave.
+    verdict : str
+        ``no_capture``, ``reentry``, or the worst of the targets: block, partial, conduction.
+    targets : tuple of TargetFinding
+        What happened to each target.
+    reentry : ReentryFinding
+        Whether activation came back.
+    quiescent_at : float or None
+        When all tissue was at rest, in tu; None: it was not by the end.
+    end : float
+        When the run ended, in tu.
+    guard : None
+        Convergence check; None: not asked for.
+    notes : tuple of str
+        Advice and warnings for the reader.
+    """
+
+    name: str
+    config_sha256: str
+    captured: bool
+    verdict: WholeVerdict
+    targets: tuple[TargetFinding, ...]
+    reentry: ReentryFinding
+    quiescent_at: float | None
+    end: float
+    guard: None = None
+    notes: tuple[str, ...] = ()
+    schema: Literal["cardiosurf/verdict/1"] = SCHEMA
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the verdict as plain JSON data, ``schema`` first."""
+        data = asdict(self)
+        return {"schema": data.pop("schema"), **data}
+
+
+def whole_verdict(
+    captured: bool, targets: tuple[TargetFinding, ...], reentry: ReentryFinding
+) -> WholeVerdict:
+    """Return the verdict over all targets: no_capture, reentry, or the targets' worst."""
+    if not captured:
+        return "no_capture"
+    if reentry.verdict != "none":
+        return "reentry"
+    found = {target.verdict for target in targets}
+    for verdict in ("block", "partial"):
+        if verdict in found:
+            return verdict
+    return "conduction"
+
+
+def verdict_schema() -> dict[str, Any]:
+    """Return the JSON Schema of verdict.json; every key is always there, and no other."""
+    schema = TypeAdapter(Verdict).json_schema(mode="serialization")
+    for part in (schema, *schema["$defs"].values()):
+        part["required"] = sorted(part["properties"])
+        part["additionalProperties"] = False
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA, **schema}
