@@ -6,14 +6,26 @@ single field, named as the YAML key.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
-from pydantic import Field
+from pydantic import AfterValidator, Discriminator, Field, Tag
 
+from cardiosurf.geometry.angles import Angle
 from cardiosurf.sections import Positive, Section
 
-Range: TypeAlias = tuple[float, float]
+
+def _increasing(limits: tuple[float, float]) -> tuple[float, float]:
+    """Refuse a range that does not go from low to high."""
+    if not limits[0] < limits[1]:
+        msg = "does not go from low to high"
+        raise ValueError(msg)
+    return limits
+
+
+Range: TypeAlias = Annotated[tuple[float, float], AfterValidator(_increasing)]
+AngleRange: TypeAlias = Annotated[tuple[Angle, Angle], AfterValidator(_increasing)]
 Vector: TypeAlias = tuple[float, float, float]
 
 
@@ -46,8 +58,8 @@ class HalfSpaceLimits(Section):
 class PolarLimits(Section):
     """Ranges of the net angles theta and phi, in radians; phi may run past pi."""
 
-    theta: Range | None = None
-    phi: Range | None = None
+    theta: AngleRange | None = None
+    phi: AngleRange | None = None
 
 
 @dataclass(frozen=True)
@@ -113,6 +125,50 @@ class Not(Section):
     not_: Annotated[Region, Field(alias="not")]
 
 
-Region: TypeAlias = (
-    "Box | Ball | HalfSpace | Part | PatchReference | Polar | All | AnyOf | Not"
-)
+def _word(value: Any) -> str | None:
+    """Return the tag of the one word a region is written with."""
+    if isinstance(value, dict) and len(value) == 1:
+        return f"({next(iter(value))})"
+    return None
+
+
+Region: TypeAlias = Annotated[
+    Annotated[Box, Tag("(box)")]
+    | Annotated[Ball, Tag("(ball)")]
+    | Annotated[HalfSpace, Tag("(half_space)")]
+    | Annotated[Part, Tag("(surface)")]
+    | Annotated[PatchReference, Tag("(patch)")]
+    | Annotated[Polar, Tag("(polar)")]
+    | Annotated[All, Tag("(all)")]
+    | Annotated[AnyOf, Tag("(any)")]
+    | Annotated[Not, Tag("(not)")],
+    Discriminator(_word),
+]
+
+
+def resolve(region: Region, patches: Mapping[str, Region]) -> Region:
+    """Return ``region`` with every patch reference replaced by that patch's region.
+
+    Parameters
+    ----------
+    region : Region
+        A region that may refer to patches by name.
+    patches : mapping of str to Region
+        The regions of the patches, themselves resolved.
+
+    Raises
+    ------
+    KeyError
+        If a patch is referred to that is not in ``patches``; its argument is the name.
+    """
+    match region:
+        case PatchReference(patch=name):
+            return patches[name]
+        case All(all=parts):
+            return All(tuple(resolve(part, patches) for part in parts))
+        case AnyOf(any=parts):
+            return AnyOf(tuple(resolve(part, patches) for part in parts))
+        case Not(not_=part):
+            return Not(resolve(part, patches))
+        case _:
+            return region
