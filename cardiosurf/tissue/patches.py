@@ -1,0 +1,122 @@
+"""Config sections of the tissue: the ambient diffusivity and the patches laid over it."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeAlias
+
+from pydantic import Discriminator, Tag
+
+from cardiosurf.errors import InputError
+from cardiosurf.geometry.regions import Region
+from cardiosurf.sections import Positive, Section
+
+
+def _form(value: Any) -> str:
+    """Tell a factor for each axis from one number for both."""
+    return "(by axis)" if isinstance(value, dict) else "(number)"
+
+
+Factors: TypeAlias = Annotated[
+    Annotated[Positive, Tag("(number)")] | Annotated[dict[str, Positive], Tag("(by axis)")],
+    Discriminator(_form),
+]
+
+
+@dataclass(frozen=True)
+class Patch(Section):
+    """A region of the tissue that differs from the rest.
+
+    Attributes
+    ----------
+    name : str
+        What targets, ``--set`` and the recording call it.
+    region : Region
+        Where it is; the mesh resolves its edges.
+    anisotropy : float or dict of str to float
+        Factor on the diffusivity along a net axis ({x: 4}, {theta: 8, phi: 8}); one number is
+        both axes, an axis that is not named keeps the factor 1.
+    frame_scaling : float or dict of str to float
+        Factor on the net frame itself; its square is the factor on the diffusivity.
+    diffusivity : float
+        Diffusivity of the patch in su^2/tu, before the factors; the ambient one if not given.
+    excitable : bool
+        False for a scar: it diffuses, but does not react.
+    """
+
+    name: str
+    region: Region
+    anisotropy: Factors | None = None
+    frame_scaling: Factors | None = None
+    diffusivity: Positive | None = None
+    excitable: bool = True
+
+
+@dataclass(frozen=True)
+class TissueSection(Section):
+    """The tissue: diffusivity in su^2/tu, and patches in order; where they overlap the later wins.
+
+    Attributes
+    ----------
+    diffusivity : float
+        Diffusivity outside the patches, in su^2/tu.
+    patches : tuple of Patch
+        Regions that differ, in order.
+    """
+
+    diffusivity: Positive = 1.0
+    patches: tuple[Patch, ...] = ()
+
+
+def patch_key(name: str) -> str:
+    """Return the name under which a surface resolves the region of patch ``name``."""
+    return f"tissue.patches.{name}"
+
+
+def factors_of(patch: Patch) -> dict[str, float] | float:
+    """Return the factors on the diffusivity, by net axis or one for both axes.
+
+    Parameters
+    ----------
+    patch : Patch
+        The patch; of ``anisotropy`` and ``frame_scaling`` at most one is given.
+
+    Raises
+    ------
+    InputError
+        If both are given, if no axis is named, or if a factor is not above 0.
+    """
+    where = patch_key(patch.name)
+    if patch.anisotropy is not None and patch.frame_scaling is not None:
+        raise InputError(
+            where,
+            "anisotropy and frame_scaling are both given",
+            "one of them: anisotropy is the factor on the diffusivity, frame_scaling its root",
+            f"keep one; frame_scaling {patch.frame_scaling} is the anisotropy {_squared(patch)}",
+        )
+    key = "anisotropy" if patch.frame_scaling is None else "frame_scaling"
+    given = patch.anisotropy if patch.frame_scaling is None else patch.frame_scaling
+    if given is None:
+        return 1.0
+    named = given if isinstance(given, dict) else {"": given}
+    if not named:
+        raise InputError(
+            f"{where}.{key}",
+            "{} names no axis",
+            "a number, or a mapping from an axis to a number",
+            f"{key}: {{theta: 8}} on a vein or a sphere, {key}: {{x: 8}} on a plane",
+        )
+    for axis, factor in named.items():
+        # written so that NaN is caught too
+        if not 0.0 < factor < float("inf"):
+            raise InputError(
+                f"{where}.{key}.{axis}".rstrip("."),
+                f"{factor} makes a tensor that is not positive",
+                "a finite number above 0",
+            )
+    return given if patch.frame_scaling is None else _squared(patch)
+
+
+def _squared(patch: Patch) -> dict[str, float] | float:
+    scaling = patch.frame_scaling
+    if isinstance(scaling, dict):
+        return {axis: factor**2 for axis, factor in scaling.items()}
+    return 1.0 if scaling is None else scaling**2
