@@ -1,0 +1,209 @@
+"""Observers of the march that keep what a recording is made of.
+
+Each has the three verbs of ``stepping.moment.Observer`` and, so that a stopped run goes on bit for
+bit, ``snapshot`` (its memory as named arrays) and ``restore`` (take such a memory back).
+A march that goes on from a checkpoint calls ``initialize`` too; an observer with a memory has
+already seen that moment and does not record it again.
+"""
+
+from collections.abc import Mapping
+from typing import Any, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cardiosurf.arrays import Floats, Ints, Mask
+from cardiosurf.recording.growing import GrowingTable
+from cardiosurf.recording.recording import THRESHOLD, Events, ProbeTraces
+from cardiosurf.recording.spool import Spool
+from cardiosurf.stepping.moment import Moment, Observer
+
+Snapshot: TypeAlias = Mapping[str, NDArray[Any]]
+
+
+class Recorder(Observer, Protocol):
+    """An observer whose memory a checkpoint can hold."""
+
+    def snapshot(self) -> Snapshot:
+        """Return all that was recorded so far, as named arrays."""
+        ...
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Take back what ``snapshot`` returned."""
+        ...
+
+
+class Activation:
+    """All activations (u rises through 0.5) and repolarisations (u falls through 0.5).
+
+    The time of a crossing is interpolated inside the step,
+    ``t = t0 + (t1 - t0) (0.5 - u0) / (u1 - u0)``. Nodes that lie above 0.5 at the start, or that a
+    pulse sets above it, are activated at that very time. Reaching 0.5 and turning back is no
+    crossing.
+    """
+
+    def __init__(self) -> None:
+        self._above: Mask = np.zeros(0, dtype=np.bool_)
+        self._up = GrowingTable(2)
+        self._down = GrowingTable(2)
+
+    def initialize(self, moment: Moment) -> None:
+        """Record the nodes that are above 0.5 at the start."""
+        if not len(self._above):
+            self._above = moment.state[0] > THRESHOLD
+            nodes = np.flatnonzero(self._above)
+            self._up.append(np.column_stack((nodes, np.full(len(nodes), moment.time))))
+
+    def handle(self, moment: Moment) -> None:
+        """Record the crossings of this step, or of a pulse."""
+        before, after = moment.previous_state[0], moment.state[0]
+        above = after > THRESHOLD
+        changed = np.flatnonzero(above != self._above)
+        if len(changed):
+            rise = (THRESHOLD - before[changed]) / (after[changed] - before[changed])
+            times = moment.previous_time + rise * (moment.time - moment.previous_time)
+            rows, upward = np.column_stack((changed, times)), above[changed]
+            self._up.append(rows[upward])
+            self._down.append(rows[~upward])
+            self._above = above
+
+    def finalize(self, moment: Moment) -> None:
+        """Nothing is left to do."""
+
+    def activations(self) -> Events:
+        """Return all upward crossings, sorted by time."""
+        return _sorted_events(self._up.rows())
+
+    def repolarisations(self) -> Events:
+        """Return all downward crossings, sorted by time."""
+        return _sorted_events(self._down.rows())
+
+    def snapshot(self) -> Snapshot:
+        """Return the crossings so far and the nodes that are above 0.5."""
+        return {"above": self._above.copy(), "up": self._up.rows(), "down": self._down.rows()}
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Take back what ``snapshot`` returned."""
+        self._above = snapshot["above"].astype(np.bool_)
+        self._up.replace(snapshot["up"])
+        self._down.replace(snapshot["down"])
+
+
+def _sorted_events(rows: Floats) -> Events:
+    """Return (node, time) rows as events in the order of time, then of nodes."""
+    order = np.lexsort((rows[:, 0], rows[:, 1]))
+    return Events(nodes=rows[order, 0].astype(np.int64), times=rows[order, 1])
+
+
+class Probes:
+    """u and v at given places, at every step, interpolated linearly in the nearest triangle.
+
+    Parameters
+    ----------
+    names : tuple of str
+        One name a probe.
+    positions : (p, 3) float
+        Places on the surface, in su.
+    nodes : (p, 3) int
+        The vertices of each probe's triangle.
+    weights : (p, 3) float
+        Their weights; a row sums to 1.
+    """
+
+    def __init__(
+        self, names: tuple[str, ...], positions: Floats, nodes: Ints, weights: Floats
+    ) -> None:
+        self._names = names
+        self._positions = positions
+        self._nodes = nodes
+        self._weights = weights
+        self._rows = GrowingTable(1 + 2 * len(names))
+
+    def initialize(self, moment: Moment) -> None:
+        """Record the start."""
+        if not len(self._rows):
+            self.handle(moment)
+
+    def handle(self, moment: Moment) -> None:
+        """Record this moment."""
+        values = np.einsum("kpc,pc->kp", moment.state[:, self._nodes], self._weights)
+        self._rows.append(np.concatenate(([moment.time], values.ravel())))
+
+    def finalize(self, moment: Moment) -> None:
+        """Nothing is left to do."""
+
+    def traces(self) -> ProbeTraces:
+        """Return all that was recorded."""
+        rows, count = self._rows.rows(), len(self._names)
+        return ProbeTraces(
+            names=self._names,
+            positions=self._positions,
+            times=rows[:, 0],
+            u=rows[:, 1 : 1 + count],
+            v=rows[:, 1 + count :],
+        )
+
+    def snapshot(self) -> Snapshot:
+        """Return the rows (time, u of all probes, v of all probes) so far."""
+        return {"rows": self._rows.rows()}
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Take back what ``snapshot`` returned."""
+        self._rows.replace(snapshot["rows"])
+
+
+class Frames:
+    """u and v of all nodes every ``every`` tu, as float32, written to a file as they come.
+
+    A frame is taken at the first step at or beyond each multiple of ``every``, with the time of
+    that step, and at the end of the march.
+
+    Parameters
+    ----------
+    every : float
+        Time between two frames, in tu.
+    spool : Spool
+        The raw file that they go to.
+    """
+
+    def __init__(self, every: float, spool: Spool) -> None:
+        self._every = every
+        self._spool = spool
+        self._next = 0
+        self._last_time = -np.inf
+
+    def initialize(self, moment: Moment) -> None:
+        """Take the start as the first frame."""
+        if not len(self._spool):
+            self._take(moment)
+
+    def handle(self, moment: Moment) -> None:
+        """Take a frame when one is due."""
+        # steps add up with round-off: 9.999999999999998 is meant to be 10
+        if moment.time >= self._every * (self._next - 1e-9):
+            self._take(moment)
+
+    def finalize(self, moment: Moment) -> None:
+        """Take the end as the last frame."""
+        if moment.time > self._last_time:
+            self._take(moment)
+
+    def _take(self, moment: Moment) -> None:
+        self._spool.append(moment.time, moment.state)
+        self._last_time = moment.time
+        self._next = int(np.floor(moment.time / self._every + 1e-9)) + 1
+
+    def snapshot(self) -> Snapshot:
+        """Return how many frames the spool holds, safely on disk, and when the last was taken."""
+        self._spool.flush()
+        return {
+            "count": np.asarray(len(self._spool)),
+            "next": np.asarray(self._next),
+            "last_time": np.asarray(self._last_time),
+        }
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go on after the frames that ``snapshot`` knew of; later ones are cut off."""
+        self._spool.truncate(int(snapshot["count"]))
+        self._next = int(snapshot["next"])
+        self._last_time = float(snapshot["last_time"])
