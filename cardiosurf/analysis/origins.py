@@ -97,10 +97,9 @@ def carry_labels(
         directness.append(how[hit])
     i, a, b = np.concatenate(vertex), np.concatenate(foot_a), np.concatenate(foot_b)
     s, how = np.concatenate(share), np.concatenate(directness)
-    # a vertex waits for its feet: keep only feet that were activated before it, so no cycles
-    earlier = (1 - s) * lat[a] + s * lat[b] < lat[i]
-    s = np.where(lat[a] >= lat[i], 1.0, np.where(lat[b] >= lat[i], 0.0, s))
-    keep = earlier & (np.minimum(lat[a], lat[b]) < lat[i])
+    # feet earlier than the vertex: then no set of vertices can wait for itself (its earliest
+    # vertex would need an earlier foot), and the system below has one solution
+    keep = (1 - s) * lat[a] + s * lat[b] < lat[i]
     order = np.lexsort((-how[keep], i[keep]))
     i, a, b, s = i[keep][order], a[keep][order], b[keep][order], s[keep][order]
     first = np.flatnonzero(np.r_[True, i[1:] != i[:-1]]) if i.size else np.empty(0, dtype=np.int64)
