@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import numpy as np
 
@@ -64,7 +65,10 @@ class CheckpointWriter:
                 raise KeyboardInterrupt
 
     def finalize(self, moment: Moment) -> None:
-        """Remove the checkpoint: the run is complete."""
+        """Leave the checkpoint: the recording is not written yet."""
+
+    def remove(self) -> None:
+        """Remove the checkpoint, once the recording is safely written."""
         self._path.unlink(missing_ok=True)
 
     def stop(self) -> None:
@@ -72,17 +76,16 @@ class CheckpointWriter:
         self._stopping = True
 
     def _write(self, moment: Moment) -> None:
-        arrays = {f"march/{key}": value for key, value in moment.checkpoint().to_arrays().items()}
+        arrays: dict[str, Any] = {
+            "schema": np.asarray(SCHEMA),
+            "identity": np.asarray(self._identity),
+        }
+        march = moment.checkpoint().to_arrays()
+        arrays |= {f"march/{key}": value for key, value in march.items()}
         for name, recorder in self._recorders.items():
             arrays |= {f"{name}/{key}": value for key, value in recorder.snapshot().items()}
         with whole_file(self._path) as partial, partial.open("wb") as file:
-            np.savez(
-                file,
-                allow_pickle=False,
-                schema=np.asarray(SCHEMA),
-                identity=np.asarray(self._identity),
-                **arrays,
-            )
+            np.savez(file, **arrays)
         self._written_at = time.monotonic()
 
 

@@ -112,7 +112,7 @@ def _values(recording: Recording) -> Mapping[str, ArrayLike]:
         "tissue/tensor": tissue.tensor,
         "tissue/d11": d11,
         "tissue/d22": d22,
-        "tissue/excitable": tissue.excitable.astype(np.uint8),
+        "tissue/excitable": tissue.excitable.astype(np.int64),
         "tissue/names": tissue.names,
         "tissue/patch_of": tissue.patch_of,
         "targets/names": tuple(recording.targets),

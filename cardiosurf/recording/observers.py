@@ -156,7 +156,7 @@ class Frames:
     """u and v of all nodes every ``every`` tu, as float32, written to a file as they come.
 
     A frame is taken at the first step at or beyond each multiple of ``every``, with the time of
-    that step, and at the end of the march.
+    that step, and at the end of the march. A pulse given at the very time of a frame is in it.
 
     Parameters
     ----------
@@ -179,8 +179,11 @@ class Frames:
 
     def handle(self, moment: Moment) -> None:
         """Take a frame when one is due."""
-        # steps add up with round-off: 9.999999999999998 is meant to be 10
-        if moment.time >= self._every * (self._next - 1e-9):
+        if moment.time == self._last_time:
+            self._spool.truncate(len(self._spool) - 1)
+            self._take(moment)
+        # times carry round-off: 9.999999999999998 is meant to be 10
+        elif moment.time >= self._every * (self._next - 1e-9):
             self._take(moment)
 
     def finalize(self, moment: Moment) -> None:
