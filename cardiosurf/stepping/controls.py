@@ -1,0 +1,67 @@
+"""How a march goes: the section ``time`` of a config, and the decisions it leads to."""
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Le
+
+from cardiosurf.kinetics import Kinetics
+from cardiosurf.sections import Positive, Section
+from cardiosurf.stepping.schemes import SCHEMES, Scheme
+from cardiosurf.stepping.solvers import LOOSEST_TOLERANCE, SolverChoice, choose_solver
+from cardiosurf.stepping.step_rule import StepChoice, auto_step
+
+
+@dataclass(frozen=True)
+class TimeSection(Section):
+    """How time goes: ``end`` and the longest ``step`` in tu, scheme and linear solver."""
+
+    end: Positive
+    step: Positive | Literal["auto"] = "auto"
+    scheme: Literal["imex_euler", "cnab2", "sbdf2"] = "sbdf2"
+    solver: Literal["auto", "cg", "direct"] = "auto"
+    tolerance: Annotated[float, Ge(1e-13), Le(LOOSEST_TOLERANCE)] = 1e-7
+    stop_at_rest: bool = True
+
+
+@dataclass(frozen=True)
+class Controls:
+    """What a march needs to know beside its problem.
+
+    Attributes
+    ----------
+    scheme : Scheme
+        The coefficients of the time integration.
+    step : StepChoice
+        The longest step, in tu, and why.
+    end : float
+        When to end, in tu.
+    solver : SolverChoice
+        The linear solver, and why.
+    """
+
+    scheme: Scheme
+    step: StepChoice
+    end: float
+    solver: SolverChoice
+
+
+def decide(section: TimeSection, kinetics: Kinetics, nodes: int) -> Controls:
+    """Return the controls that the section asks for, each "auto" decided.
+
+    Parameters
+    ----------
+    section : TimeSection
+        What the user wants.
+    kinetics : Kinetics
+        The reaction, whose rate sets the automatic step.
+    nodes : int
+        Number of vertices, which sets the automatic solver.
+    """
+    scheme = SCHEMES[section.scheme]
+    if section.step == "auto":
+        step = auto_step(scheme, kinetics)
+    else:
+        step = StepChoice(section.step, "asked for")
+    solver = choose_solver(nodes, wanted=section.solver, tolerance=section.tolerance)
+    return Controls(scheme, step, section.end, solver)

@@ -1,0 +1,162 @@
+"""Linear solvers of the diffusion step: factories that take a matrix and return a solve."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from scipy.sparse.linalg import splu
+
+from cardiosurf.arrays import Floats, Matrix
+from cardiosurf.errors import InputError, NumericalError
+
+Solve: TypeAlias = Callable[[Floats, Floats], tuple[Floats, int]]
+"""(right-hand side, guess) -> (solution, iterations)."""
+
+SolverFactory: TypeAlias = Callable[[Matrix], Solve]
+
+LOOSEST_TOLERANCE = 1e-5
+ITERATION_LIMIT = 1000
+SMALL = 400
+
+
+@dataclass(frozen=True)
+class SolverChoice:
+    """A linear solver, and why it was taken.
+
+    Attributes
+    ----------
+    name : str
+        "cg", "direct" or a foreign one's.
+    reason : str
+        One line for the record.
+    factory : callable
+        Takes a symmetric positive definite matrix, returns the solve.
+    """
+
+    name: str
+    reason: str
+    factory: SolverFactory
+
+
+def conjugate_gradients(tolerance: float = 1e-7) -> SolverFactory:
+    """Return the factory of conjugate gradients with Jacobi preconditioning.
+
+    It stops at |b - A x| <= tolerance |b|. scipy's own loop costs half as much again at 12,000
+    nodes (docs/numerics.md), in checks that it repeats at every call.
+
+    Parameters
+    ----------
+    tolerance : float
+        Relative residual, at most 1e-5: looser ones delay fronts without a sign (1e-3: by 5 %).
+
+    Raises
+    ------
+    InputError
+        The tolerance is not in (0, 1e-5].
+    NumericalError
+        From the solve: no convergence within 1000 iterations, or numbers that are not finite.
+    """
+    if not 0.0 < tolerance <= LOOSEST_TOLERANCE:
+        raise InputError(
+            "time.tolerance",
+            f"{tolerance:g} is not a tolerance that keeps the front's speed",
+            f"0 < tolerance <= {LOOSEST_TOLERANCE:g}",
+            "1e-7, the default",
+        )
+
+    def factory(matrix: Matrix) -> Solve:
+        inverse_diagonal = 1.0 / matrix.diagonal()
+
+        def solve(rhs: Floats, guess: Floats) -> tuple[Floats, int]:
+            return _iterate(matrix, inverse_diagonal, rhs, guess, tolerance)
+
+        return solve
+
+    return factory
+
+
+def _iterate(
+    matrix: Matrix, inverse_diagonal: Floats, rhs: Floats, guess: Floats, tolerance: float
+) -> tuple[Floats, int]:
+    """Return the solution and the number of iterations of preconditioned conjugate gradients."""
+    goal = tolerance**2 * float(rhs @ rhs)
+    x = guess.copy()
+    r = rhs - matrix @ x
+    error = float(r @ r)
+    if error <= goal:
+        return x, 0
+    z = inverse_diagonal * r
+    p = z.copy()
+    rho = float(r @ z)
+    for iteration in range(1, ITERATION_LIMIT + 1):
+        q = matrix @ p
+        alpha = rho / float(p @ q)
+        x += alpha * p
+        r -= alpha * q
+        error = float(r @ r)
+        if error <= goal:
+            return x, iteration
+        if not np.isfinite(error):
+            break
+        np.multiply(inverse_diagonal, r, out=z)
+        rho, previous = float(r @ z), rho
+        p *= rho / previous
+        p += z
+    raise NumericalError(
+        f"conjugate gradients stopped at a relative residual of "
+        f"{np.sqrt(error / float(rhs @ rhs)):.1e} instead of {tolerance:g} "
+        f"after {iteration} iterations",
+        "a smaller time.step, or time.solver: direct",
+    )
+
+
+def direct() -> SolverFactory:
+    """Return the factory of the sparse direct solver: one factorisation, then back-solves.
+
+    The permutation is minimum degree on A + A^T with diagonal pivots, which suits symmetric
+    matrices (SuperLU).
+    """
+
+    def factory(matrix: Matrix) -> Solve:
+        factors = splu(
+            matrix.tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+
+        def solve(rhs: Floats, guess: Floats) -> tuple[Floats, int]:
+            return factors.solve(rhs), 0
+
+        return solve
+
+    return factory
+
+
+def choose_solver(
+    nodes: int,
+    *,
+    wanted: Literal["auto", "cg", "direct"] = "auto",
+    tolerance: float = 1e-7,
+) -> SolverChoice:
+    """Return the linear solver for a mesh, with the reason.
+
+    Parameters
+    ----------
+    nodes : int
+        Number of vertices.
+    wanted : {"auto", "cg", "direct"}
+        "auto" leaves the choice to the measured rule of docs/numerics.md.
+    tolerance : float
+        Relative residual of conjugate gradients.
+    """
+    if wanted == "cg":
+        return SolverChoice("cg", "asked for", conjugate_gradients(tolerance))
+    if wanted == "direct":
+        return SolverChoice("direct", "asked for", direct())
+    if nodes < SMALL:
+        reason = f"{nodes} nodes: below {SMALL} a back-solve costs less than the iterations"
+        return SolverChoice("direct", reason, direct())
+    reason = f"{nodes} nodes: from {SMALL} on a few iterations cost less than a back-solve"
+    return SolverChoice("cg", reason, conjugate_gradients(tolerance))

@@ -1,0 +1,61 @@
+"""The rule behind ``step: auto``: the largest step whose LAT error stays below 0.5 %."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardiosurf.kinetics import Kinetics
+from cardiosurf.stepping.schemes import Scheme
+
+LAT_ERROR = 0.005
+
+# measured on planar waves (docs/numerics.md): relative error of LAT = C (rate * dt)^order
+ERROR_COEFFICIENTS = {"imex_euler": 0.2, "cnab2": 0.02, "sbdf2": 0.0178}
+
+# steps that are easily read, no two neighbours further apart than a third
+TIDY_STEPS = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
+
+
+@dataclass(frozen=True)
+class StepChoice:
+    """A step, in tu, and why it was taken."""
+
+    step: float
+    reason: str
+
+
+def reaction_rate(kinetics: Kinetics) -> float:
+    """Return the fastest rate of the reaction, in 1/tu: max |df/du|, |dg/dv| at v = 0, 0 <= u <= 1.
+
+    For the shipped models it is c1 (1 - a), at u = 1.
+    """
+    u, v, shift = np.linspace(0.0, 1.0, 201), np.zeros(201), 1e-6
+    of_u = kinetics.rates(u + shift, v)[0] - kinetics.rates(u - shift, v)[0]
+    of_v = kinetics.rates(u, v + shift)[1] - kinetics.rates(u, v - shift)[1]
+    return float(max(np.abs(of_u).max(), np.abs(of_v).max()) / (2.0 * shift))
+
+
+def auto_step(scheme: Scheme, kinetics: Kinetics) -> StepChoice:
+    """Return the largest tidy step with C (rate dt)^order <= 0.5 %.
+
+    C is the measured coefficient of the scheme (docs/numerics.md), rate that of the reaction.
+    A scheme without a measured coefficient is taken for as inaccurate as the worst of its order.
+
+    Parameters
+    ----------
+    scheme : Scheme
+        The time integration.
+    kinetics : Kinetics
+        The reaction.
+    """
+    rate = reaction_rate(kinetics)
+    coefficient = ERROR_COEFFICIENTS[scheme.name]
+    largest = (LAT_ERROR / coefficient) ** (1.0 / scheme.order) / rate
+    decade = 10.0 ** np.floor(np.log10(largest))
+    step = float(f"{max(t for t in TIDY_STEPS if t * decade <= largest) * decade:g}")
+    error = coefficient * (rate * step) ** scheme.order
+    return StepChoice(
+        step,
+        f"{scheme.name} at a reaction rate of {rate:.3g}/tu: "
+        f"LAT error {error:.2%}, at most {LAT_ERROR:.1%}",
+    )

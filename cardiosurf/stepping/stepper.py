@@ -1,0 +1,146 @@
+"""One step in time of M u' = -K u + R f(u, v) + M s, v' = g(u, v), whatever the scheme."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+
+from cardiosurf.arrays import Floats, Mask
+from cardiosurf.fem.operators import Operators
+from cardiosurf.kinetics import Kinetics
+from cardiosurf.stepping.schemes import SCHEMES, Scheme
+from cardiosurf.stepping.solvers import Solve, SolverFactory
+
+GUESS_WEIGHTS = ((1.0,), (2.0, -1.0), (3.0, -3.0, 1.0))
+
+
+class Past(NamedTuple):
+    """The last states and their reactions, (2, n) each, newest first."""
+
+    states: tuple[Floats, ...]
+    reactions: tuple[Floats, ...]
+
+
+class Advance(NamedTuple):
+    """The state (2, n) after a step, the solver's iterations and seconds."""
+
+    state: Floats
+    iterations: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Stepper:
+    """The step rule of one problem.
+
+    Attributes
+    ----------
+    operators : Operators
+        M, R and K.
+    kinetics : Kinetics
+        f and g.
+    scheme : Scheme
+        The coefficients.
+    solve_for : callable
+        Takes the weight w, in tu, and returns the solve of (M + w K) x = b; remembers a few.
+    resting : (n,) bool or None
+        Nodes without reaction, where v stays; None if there are none.
+    """
+
+    operators: Operators
+    kinetics: Kinetics
+    scheme: Scheme
+    solve_for: Callable[[float], Solve]
+    resting: Mask | None
+
+    @classmethod
+    def of(
+        cls, operators: Operators, kinetics: Kinetics, *, scheme: Scheme, factory: SolverFactory
+    ) -> "Stepper":
+        """Return the step rule; matrices are made, and factorised, when first asked for."""
+
+        @lru_cache(maxsize=6)
+        def solve_for(weight: float) -> Solve:
+            return factory(operators.mass + weight * operators.stiffness)
+
+        excitable = operators.excitable_nodes
+        resting = None if excitable.all() else ~excitable
+        return cls(operators, kinetics, scheme, solve_for, resting)
+
+    def begin(self, state: Floats) -> Past:
+        """Return a past that consists of one state."""
+        state.setflags(write=False)
+        return Past((state,), (self.reaction(state),))
+
+    def extend(self, past: Past, state: Floats) -> Past:
+        """Return the past with a new state, cut to what steps and guesses need."""
+        state.setflags(write=False)
+        return Past(
+            (state, *past.states)[: max(self.scheme.depth, len(GUESS_WEIGHTS))],
+            (self.reaction(state), *past.reactions)[: len(self.scheme.explicit)],
+        )
+
+    def reaction(self, state: Floats) -> Floats:
+        """Return f and g, (2, n); g is 0 where nothing is excitable."""
+        reaction = np.array(self.kinetics.rates(state[0], state[1]))
+        if self.resting is not None:
+            reaction[1, self.resting] = 0.0
+        return reaction
+
+    def advance(self, past: Past, dt: float, current: Floats | None) -> Advance:
+        """Return the state one step on.
+
+        Until the past is deep enough for the scheme, the step is one of implicit-explicit Euler
+        and two of half its length, extrapolated: its error is of third order in dt, so a fixed
+        number of them leaves the order of the whole alone.
+        """
+        scheme = self.scheme
+        deep = len(past.states) >= scheme.depth and len(past.reactions) >= len(scheme.explicit)
+        if deep:
+            return self.multistep(scheme, past, dt, current)
+        euler = SCHEMES["imex_euler"]
+        newest = Past(past.states[:1], past.reactions[:1])
+        whole = self.multistep(euler, newest, dt, current)
+        half = self.multistep(euler, newest, dt / 2, current)
+        both = self.multistep(euler, self.begin(half.state), dt / 2, current)
+        return Advance(
+            2.0 * both.state - whole.state,
+            whole.iterations + half.iterations + both.iterations,
+            whole.seconds + half.seconds + both.seconds,
+        )
+
+    def multistep(self, scheme: Scheme, past: Past, dt: float, current: Floats | None) -> Advance:
+        """Return the state one step of the scheme on, everything divided by its first a_j."""
+        mass, reaction_mass = self.operators.mass, self.operators.reaction_mass
+        a0 = scheme.state[0]
+        known = _combine([-a / a0 for a in scheme.state[1:]], past.states)
+        pushed = _combine([dt * c / a0 for c in scheme.explicit], past.reactions)
+        if current is not None:
+            known[0] += dt / a0 * current
+        if reaction_mass is mass:
+            known += pushed
+            rhs = mass @ known[0]
+        else:
+            rhs = mass @ known[0] + reaction_mass @ pushed[0]
+            known += pushed
+        if len(scheme.implicit) > 1:
+            earlier = [state[0] for state in past.states]
+            weights = [dt * b / a0 for b in scheme.implicit[1:]]
+            rhs -= self.operators.stiffness @ _combine(weights, earlier)
+        guesses = [state[0] for state in past.states[: len(GUESS_WEIGHTS)]]
+        guess = _combine(GUESS_WEIGHTS[len(guesses) - 1], guesses)
+        solve = self.solve_for(dt * scheme.implicit[0] / a0)
+        begun = perf_counter()
+        known[0], iterations = solve(rhs, guess)
+        return Advance(known, iterations, perf_counter() - begun)
+
+
+def _combine(weights: Sequence[float], arrays: Sequence[Floats]) -> Floats:
+    """Return the weighted sum of as many arrays as there are weights."""
+    total = weights[0] * arrays[0]
+    for weight, array in zip(weights[1:], arrays[1:], strict=False):
+        total += weight * array
+    return total
