@@ -5,7 +5,8 @@ from typing import Literal
 
 import numpy as np
 
-from cardiosurf.arrays import Floats, Ints, Mask
+from cardiosurf.arrays import Floats, Mask
+from cardiosurf.recording.recording import Events
 
 ReentryVerdict = Literal["none", "transient", "sustained"]
 
@@ -33,22 +34,6 @@ class ReentryFinding:
     cycle_length: float | None
 
 
-@dataclass(frozen=True)
-class Events:
-    """Crossings of u = 0.5 in order of time.
-
-    Attributes
-    ----------
-    node : (k,) int
-        The vertex of each upward crossing.
-    time : (k,) float
-        Its time, in tu.
-    """
-
-    node: Ints
-    time: Floats
-
-
 def reentry_finding(
     events: Events, vertex_areas: Floats, *, beats: int, end: float, active_at_end: Mask
 ) -> ReentryFinding:
@@ -67,13 +52,13 @@ def reentry_finding(
     active_at_end : (n,) bool
         Vertices above u = 0.5 at the end.
     """
-    counts = np.bincount(events.node, minlength=len(vertex_areas))
+    counts = np.bincount(events.nodes, minlength=len(vertex_areas))
     most = int(counts.max(initial=0))
     again = counts > beats
     if vertex_areas[again].sum() < REENTRY_AREA * vertex_areas.sum():
         return ReentryFinding("none", most, None)
-    order = np.lexsort((events.time, events.node))
-    node, time = events.node[order], events.time[order]
+    order = np.lexsort((events.times, events.nodes))
+    node, time = events.nodes[order], events.times[order]
     same = node[1:] == node[:-1]
     intervals = (time[1:] - time[:-1])[same & again[node[1:]]]
     cycle = float(np.median(intervals))

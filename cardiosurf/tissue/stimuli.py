@@ -97,7 +97,7 @@ class EdgeStimulus(Timing):
 
     Attributes
     ----------
-    name : str
+    edge : str
         Name of the open edge.
     position : float
         Distance from the edge at which the profile is one half, in su.
@@ -106,7 +106,7 @@ class EdgeStimulus(Timing):
     """
 
     shape: Literal["edge"] = "edge"
-    name: str
+    edge: str
     position: Positive = 4.0
     width: Positive = 0.1
 
@@ -274,15 +274,15 @@ def _point_profile(surface: Surface, stimulus: PointStimulus, key: str) -> Float
 
 
 def _edge_profile(surface: Surface, stimulus: EdgeStimulus, key: str) -> Floats:
-    if stimulus.name not in surface.edges:
+    if stimulus.edge not in surface.edges:
         names = sorted(surface.edges)
         raise InputError(
-            f"{key}.name",
-            f"the surface has no open edge {stimulus.name!r}",
+            f"{key}.edge",
+            f"the surface has no open edge {stimulus.edge!r}",
             ", ".join(names) if names else "none: this surface is closed",
-            did_you_mean(stimulus.name, names) or ("" if names else "shape: point, or region"),
+            did_you_mean(stimulus.edge, names) or ("" if names else "shape: point, or region"),
         )
-    segments = surface.points[surface.edges[stimulus.name]]
+    segments = surface.points[surface.edges[stimulus.edge]]
     s = distance_to_segments(surface.points, segments[:, 0], segments[:, 1])
     profile: Floats = expit((stimulus.position - s) / stimulus.width)
     return profile

@@ -26,7 +26,7 @@ def test_circles_on_the_plane_converge_at_first_order():
     for step in (4.0, 2.0, 1.0):
         points, triangles = jittered_square(40.0, step)
         radius = np.hypot(points[:, 0], points[:, 1])
-        # start from an exact disc that holds vertices up to its rim, to keep the source's own error out
+        # start from a disc and measure from its rim, to keep the source's own error out
         sources = radius <= 10.0
         start = distance_from(points, triangles, sources) + radius[sources].max()
         errors.append(np.abs(start - radius)[radius > 20.0].mean())
@@ -55,7 +55,7 @@ def test_great_circles_on_the_sphere():
 def test_what_no_source_reaches_is_infinitely_far():
     points, triangles = jittered_square(10.0, 2.5)
     count = len(points)
-    two = np.r_[points, points + [100.0, 0.0, 0.0]]
+    two = np.concatenate((points, points + np.array([100.0, 0.0, 0.0])))
     both = np.r_[triangles, triangles + count]
     sources = np.zeros(2 * count, dtype=bool)
     sources[0] = True

@@ -127,8 +127,14 @@ def test_the_fraction_is_weighted_by_area(square):
 
 @pytest.mark.parametrize(
     ("fraction", "verdict"),
-    [(1.0, "conduction"), (0.95, "conduction"), (0.9499, "partial"), (0.0501, "partial")]
-    + [(0.05, "block"), (0.0, "block")],
+    [
+        (1.0, "conduction"),
+        (0.95, "conduction"),
+        (0.9499, "partial"),
+        (0.0501, "partial"),
+        (0.05, "block"),
+        (0.0, "block"),
+    ],
 )
 def test_verdict_limits(fraction, verdict):
     assert judge(fraction) == verdict

@@ -6,8 +6,9 @@ import pytest
 
 from cardiosurf.analysis.block import TargetFinding
 from cardiosurf.analysis.capture import captured
-from cardiosurf.analysis.reentry import Events, ReentryFinding, reentry_finding
+from cardiosurf.analysis.reentry import ReentryFinding, reentry_finding
 from cardiosurf.analysis.verdict import Verdict, verdict_schema, whole_verdict
+from cardiosurf.recording.recording import Events
 
 NODES = 400
 
@@ -53,7 +54,7 @@ def test_paced_beats_are_not_reentry():
 
 def test_flicker_of_a_few_vertices_is_not_reentry():
     once = periodic(1, 0.0)
-    events = Events(np.r_[once.node, [3, 4, 5]], np.r_[once.time, [40.0, 41.0, 42.0]])
+    events = Events(np.r_[once.nodes, [3, 4, 5]], np.r_[once.times, [40.0, 41.0, 42.0]])
     assert finding(events).verdict == "none"
 
 
@@ -113,7 +114,7 @@ def test_verdict_json_meets_its_published_schema():
     data = json.loads(json.dumps(verdict.to_json()))
     validator = jsonschema.Draft202012Validator(verdict_schema())
     validator.validate(data)
-    assert list(data)[0] == "schema"
+    assert next(iter(data)) == "schema"
     assert data["schema"] == "cardiosurf/verdict/1"
     assert not validator.is_valid({**data, "verdict": "maybe"})
     assert not validator.is_valid({**data, "colour": "red"})

@@ -1,0 +1,85 @@
+"""Commands that make a verdict: run, analyze."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from cardiosurf.analysis.verdict import Verdict
+
+OVERRIDE_HELP = "Change one key: a.b.c=value; list items by number or by their name."
+
+
+def _show(verdict: Verdict, extra: list[str], *, as_json: bool) -> None:
+    from cardiosurf.report.summary import verdict_lines
+
+    if as_json:
+        click.echo(json.dumps(verdict.to_json(), indent=2))
+    else:
+        click.echo("\n".join([*verdict_lines(verdict), *extra]))
+
+
+@click.command()
+@click.argument("config", type=click.Path(path_type=Path))
+@click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True, help=OVERRIDE_HELP)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    help="Folder for the run's files.  [default: runs/NAME]",
+)
+@click.option("--overwrite", is_flag=True, help="Replace a finished or unfinished run there.")
+@click.option("--resume", is_flag=True, help="Go on with an unfinished run there.")
+@click.option("--json", "as_json", is_flag=True, help="Print the verdict as JSON.")
+def run(
+    config: Path,
+    overrides: tuple[str, ...],
+    output: Path | None,
+    *,
+    overwrite: bool,
+    resume: bool,
+    as_json: bool,
+) -> None:
+    r"""Run a config and say whether conduction is blocked.
+
+    Writes recording.h5, recording.xdmf, config.yaml (resolved) and verdict.json into the output
+    folder. A run that is stopped (Ctrl-C) keeps its state there and goes on with --resume.
+
+    \b
+    Examples:
+      cardiosurf run configs/t_domain.yaml
+      cardiosurf run configs/plane_block.yaml --set tissue.patches.block.anisotropy.x=4
+    """
+    from cardiosurf.config import load
+    from cardiosurf.report.summary import cost_line
+    from cardiosurf.study.simulation import simulate
+
+    loaded = load(config, overrides)
+    folder = output or Path("runs") / loaded.config.name
+    try:
+        result = simulate(loaded, folder, overwrite=overwrite, resume=resume)
+    except KeyboardInterrupt:
+        if (folder / ".partial" / "checkpoint.npz").exists():
+            click.echo(f"\nstopped; go on with: --resume -o {folder}", err=True)
+        raise
+    files = [cost_line(result.meta), f"  files in {folder}"]
+    _show(result.verdict, files, as_json=as_json)
+
+
+@click.command()
+@click.argument("recording", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print the verdict as JSON.")
+def analyze(recording: Path, *, as_json: bool) -> None:
+    """Judge a recording again and print its verdict.
+
+    RECORDING is a recording.h5 or a run's folder that holds one. Nothing is written.
+    """
+    from cardiosurf.analysis.findings import judge_recording
+    from cardiosurf.recording.hdf5 import read_recording
+
+    path = recording / "recording.h5" if recording.is_dir() else recording
+    _show(judge_recording(read_recording(path, with_frames=False)), [], as_json=as_json)

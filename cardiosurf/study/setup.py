@@ -1,0 +1,67 @@
+"""From a config to all that a march needs."""
+
+from dataclasses import dataclass
+
+from cardiosurf.arrays import Mask
+from cardiosurf.config.sections import Config, regions_of, target_key
+from cardiosurf.fem.operators import assemble
+from cardiosurf.geometry import build_surface
+from cardiosurf.geometry.surface import Surface
+from cardiosurf.stepping.controls import Controls, decide
+from cardiosurf.stepping.march import Problem
+from cardiosurf.tissue.stimuli import build_pulses
+from cardiosurf.tissue.tensor import Tissue, build_tissue
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A simulation before its first step.
+
+    Attributes
+    ----------
+    surface : Surface
+        The mesh, with lines along the edges of every region.
+    tissue : Tissue
+        Diffusivity and excitability of each triangle.
+    problem : Problem
+        Matrices, kinetics and pulses.
+    controls : Controls
+        Scheme, step, end and linear solver, each "auto" decided.
+    """
+
+    surface: Surface
+    tissue: Tissue
+    problem: Problem
+    controls: Controls
+
+    def targets(self, config: Config) -> dict[str, Mask]:
+        """Return the triangles of each target of the config, (m,) bool, in its order."""
+        regions = self.surface.regions
+        return {target.name: regions[target_key(target.name)] for target in config.targets}
+
+
+def set_up(config: Config) -> Setup:
+    """Build surface, tissue and operators of a config.
+
+    Parameters
+    ----------
+    config : Config
+        A decoded config.
+
+    Raises
+    ------
+    InputError
+        If a region is empty, a stimulus or an axis does not fit the surface, ...
+    """
+    surface = build_surface(config.geometry, config.mesh.edge_length, regions_of(config))
+    tissue = build_tissue(surface, config.tissue)
+    pulses = build_pulses(surface, config.stimulus)
+    operators = assemble(
+        surface.points,
+        surface.triangles,
+        tissue.tensor,
+        tissue.excitable,
+        mass=config.mesh.mass,
+    )
+    controls = decide(config.time, config.kinetics, len(surface.points))
+    return Setup(surface, tissue, Problem(operators, config.kinetics, pulses), controls)
