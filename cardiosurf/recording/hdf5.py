@@ -18,6 +18,7 @@ from cardiosurf.recording.recording import (
     ProbeTraces,
     Recording,
 )
+from cardiosurf.recording.steady_file import SteadyFile
 from cardiosurf.recording.whole_file import whole_file
 from cardiosurf.tissue.stimuli import Pulse
 from cardiosurf.tissue.tensor import Tissue
@@ -41,7 +42,11 @@ def write_recording(path: Path, recording: Recording) -> None:
     InputError
         The folder cannot be written to, or the disk is full.
     """
-    with whole_file(path) as partial, h5py.File(partial, "w") as file:
+    with (
+        whole_file(path) as partial,
+        SteadyFile(partial) as steady,
+        h5py.File(steady, "w") as file,
+    ):
         for name, value in _values(recording).items():
             _write(file, name, value)
         _write_frame_views(file)
