@@ -14,7 +14,7 @@ def nearest(word: str, known: Iterable[str]) -> str | None:
     """
     by_folded = {candidate.lower(): candidate for candidate in known}
     folded = word.lower()
-    matches = get_close_matches(folded, by_folded, n=1, cutoff=0.6)
+    matches = get_close_matches(folded, by_folded, n=1, cutoff=0.55)
     if matches:
         return by_folded[matches[0]]
     # a word cut short is a likely slip too ("rogers" for "rogers_mcculloch"), and so is the reverse

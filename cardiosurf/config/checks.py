@@ -1,0 +1,155 @@
+"""What the sections must agree on with each other, after each is right by itself."""
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Protocol
+
+from cardiosurf.config.sections import Config
+from cardiosurf.errors import InputError
+from cardiosurf.geometry.regions import All, AnyOf, Not, PatchReference, Region, resolve
+from cardiosurf.spelling import did_you_mean
+from cardiosurf.tissue.patches import factors_of
+from cardiosurf.tissue.stimuli import RegionStimulus, beat_times, check_timing, stimulus_key
+
+_ITEM_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_ -]*")
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+def check(config: Config) -> list[InputError]:
+    """Return everything in which the sections contradict each other; ``where`` is a key path."""
+    return [
+        *_names("tissue.patches", config.tissue.patches),
+        *_names("record.probes", config.record.probes),
+        *_names("targets", config.targets),
+        *_patches(config),
+        *_references(config),
+        *_stimuli(config),
+        *_times(config),
+    ]
+
+
+def resolved(config: Config) -> Config:
+    """Return the config with each reference to a patch replaced by the patch's region.
+
+    Raises
+    ------
+    KeyError
+        If a reference names no earlier patch; ``check`` says so in words.
+    """
+    regions: dict[str, Region] = {}
+    for patch in config.tissue.patches:
+        regions[patch.name] = resolve(patch.region, regions)
+    patches = tuple(replace(p, region=regions[p.name]) for p in config.tissue.patches)
+    return replace(
+        config,
+        tissue=replace(config.tissue, patches=patches),
+        targets=tuple(replace(t, region=resolve(t.region, regions)) for t in config.targets),
+        stimulus=tuple(
+            replace(s, region=resolve(s.region, regions)) if isinstance(s, RegionStimulus) else s
+            for s in config.stimulus
+        ),
+    )
+
+
+def _names(where: str, items: Sequence[_Named]) -> Iterator[InputError]:
+    first: dict[str, int] = {}
+    for number, item in enumerate(items):
+        place = f"{where}.{number}.name"
+        if not _ITEM_NAME.fullmatch(item.name):
+            yield InputError(
+                place,
+                f"{item.name!r} cannot be a name",
+                "letters, digits, - and _, so that --set and file names can use it",
+            )
+        elif item.name.isdigit():
+            yield InputError(
+                place, f"the name {item.name!r} would be taken for an index", "a word as a name"
+            )
+        elif item.name in first:
+            yield InputError(
+                place,
+                f"{item.name!r} is also the name of {where}.{first[item.name]}",
+                f"names that differ within {where}",
+            )
+        first.setdefault(item.name, number)
+
+
+def _patches(config: Config) -> Iterator[InputError]:
+    for patch in config.tissue.patches:
+        yield from _raised(lambda patch=patch: factors_of(patch))  # type: ignore[misc]
+
+
+def _stimuli(config: Config) -> Iterator[InputError]:
+    for number, stimulus in enumerate(config.stimulus):
+        key = stimulus_key(number)
+        yield from _raised(lambda s=stimulus, k=key: check_timing(s, k))  # type: ignore[misc]
+        last = beat_times(stimulus)[-1]
+        if last >= config.time.end:
+            yield InputError(
+                f"{key}.at",
+                f"the last beat comes at {last:g} tu, but the run ends at {config.time.end:g} tu",
+                f"beats before time.end ({config.time.end:g})",
+                f"time.end: {last + 1000:g}",
+            )
+
+
+def _times(config: Config) -> Iterator[InputError]:
+    step = config.time.step
+    if step != "auto" and step >= config.time.end:
+        yield InputError(
+            "time.step",
+            f"a step of {step:g} tu is as long as the run of {config.time.end:g} tu",
+            "auto, or a number well below time.end",
+            "step: auto",
+        )
+
+
+def _raised(checked: Callable[[], object]) -> Iterator[InputError]:
+    try:
+        checked()
+    except InputError as error:
+        yield error
+
+
+def _references(config: Config) -> Iterator[InputError]:
+    order = [patch.name for patch in config.tissue.patches]
+    for number, patch in enumerate(config.tissue.patches):
+        where = f"tissue.patches.{number}.region"
+        yield from _unknown(patch.region, where, order[:number], order)
+    regions: Mapping[str, Region] = {
+        f"targets.{number}.region": target.region for number, target in enumerate(config.targets)
+    } | {
+        f"{stimulus_key(number)}.region": stimulus.region
+        for number, stimulus in enumerate(config.stimulus)
+        if isinstance(stimulus, RegionStimulus)
+    }
+    for where, region in regions.items():
+        yield from _unknown(region, where, order, order)
+
+
+def _unknown(
+    region: Region, where: str, known: Sequence[str], all_names: Sequence[str]
+) -> Iterator[InputError]:
+    """Yield an error for each reference to a patch that is not among the known ones."""
+    match region:
+        case PatchReference(patch=name) if name not in known:
+            listed = ", ".join(known) if known else "none: there is no patch before this one"
+            if name in all_names:
+                problem = f"patch {name!r} comes later; a patch refers to earlier ones only"
+            else:
+                guess = did_you_mean(name, known)
+                problem = f"unknown patch {name!r}" + (f", {guess}" if guess else "")
+            yield InputError(f"{where}.patch", problem, listed)
+        case All(all=parts) | AnyOf(any=parts):
+            word = "all" if isinstance(region, All) else "any"
+            for number, part in enumerate(parts):
+                yield from _unknown(part, f"{where}.{word}.{number}", known, all_names)
+        case Not(not_=part):
+            yield from _unknown(part, f"{where}.not", known, all_names)
+        case _:
+            pass

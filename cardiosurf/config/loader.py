@@ -1,0 +1,94 @@
+"""From a config file to a checked config."""
+
+import hashlib
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from cardiosurf.config.checks import check, resolved
+from cardiosurf.config.decode import ConfigError, decode
+from cardiosurf.config.document import Document
+from cardiosurf.config.dump import dump_config
+from cardiosurf.config.overrides import override
+from cardiosurf.config.reader import parse_document, read_document
+from cardiosurf.config.sections import Config
+from cardiosurf.errors import InputError
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A config, and what identifies it.
+
+    Attributes
+    ----------
+    config : Config
+        The config with all defaults, patch references replaced by the patches' regions.
+    text : str
+        The same as canonical YAML: loading it gives the same config.
+    sha256 : str
+        Of ``text``.
+    document : Document
+        The config as it was written, to name lines in messages.
+    """
+
+    config: Config
+    text: str
+    sha256: str
+    document: Document
+
+    @contextmanager
+    def naming_lines(self) -> Iterator[None]:
+        """Put file and line before the key path of any InputError raised inside."""
+        try:
+            yield
+        except ConfigError:
+            raise
+        except InputError as error:
+            raise self.document.placed(error) from None
+
+
+def load(path: str | Path, overrides: Sequence[str] = ()) -> Loaded:
+    """Load a config file.
+
+    Parameters
+    ----------
+    path : path
+        A YAML file.
+    overrides : sequence of str
+        ``--set`` options, ``key.path=value``, laid over the file in their order.
+
+    Raises
+    ------
+    InputError
+        With file, line and key path of everything that is wrong (as ConfigError, when the file
+        could be read as YAML).
+    """
+    document = read_document(str(path))
+    for option in overrides:
+        document = override(document, option)
+    return _loaded(document)
+
+
+def load_text(text: str, name: str = "config") -> Loaded:
+    """Load a config from its text; messages call it ``name``."""
+    return _loaded(parse_document(text, name))
+
+
+def _loaded(document: Document) -> Loaded:
+    if "name" not in document.data:
+        named = {"name": _safe_name(Path(document.file).stem), **document.data}
+        document = replace(document, data=named)
+    config = decode(document)
+    problems = [document.placed(error) for error in check(config)]
+    if problems:
+        raise ConfigError(document.file, problems)
+    config = resolved(config)
+    text = dump_config(config)
+    return Loaded(config, text, hashlib.sha256(text.encode()).hexdigest(), document)
+
+
+def _safe_name(stem: str) -> str:
+    """Return a file's stem as a word that can name a run."""
+    return re.sub(r"[^A-Za-z0-9_.-]+", "-", stem).strip("-.") or "simulation"

@@ -1,0 +1,110 @@
+"""The whole config: one frozen dataclass whose fields are the YAML keys."""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+
+from annotated_types import Interval, MinLen
+from pydantic import Field
+
+from cardiosurf.analysis.targets import Target
+from cardiosurf.config.unions import keyed_union
+from cardiosurf.geometry import SHAPES, AnyShape
+from cardiosurf.geometry.regions import Region
+from cardiosurf.kinetics import KINETICS, AnyKinetics
+from cardiosurf.kinetics.rogers_mcculloch import RogersMcCulloch
+from cardiosurf.recording.sections import RecordSection
+from cardiosurf.sections import Section
+from cardiosurf.stepping.controls import TimeSection
+from cardiosurf.tissue.patches import TissueSection, patch_key
+from cardiosurf.tissue.stimuli import STIMULI, RegionStimulus, Stimulus, stimulus_key
+
+# A type checker sees the plain unions; pydantic is told which key chooses among the classes.
+if TYPE_CHECKING:
+    Geometry: TypeAlias = AnyShape
+    Kinetics: TypeAlias = AnyKinetics
+    AnyStimulus: TypeAlias = Stimulus
+else:
+    Geometry = keyed_union("kind", SHAPES)
+    Kinetics = keyed_union("model", KINETICS, default="rogers_mcculloch")
+    AnyStimulus = keyed_union("shape", STIMULI)
+
+NAME_PATTERN = r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$"
+Name: TypeAlias = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100)]
+
+
+@dataclass(frozen=True)
+class MeshSection(Section):
+    """How finely the surface is divided into triangles.
+
+    Attributes
+    ----------
+    edge_length : float
+        Target length of the triangles' edges, in su; fronts are about 12 su wide.
+    order : int
+        Polynomial order of the elements.
+    mass : str
+        Mass matrix: ``blended`` is the mean of ``lumped`` and ``consistent``, which cancels the
+        leading error of the front speed.
+    """
+
+    edge_length: Annotated[float, Interval(ge=0.1, le=50.0)] = 2.5
+    order: Literal[1] = 1
+    mass: Literal["blended", "lumped", "consistent"] = "blended"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config(Section):
+    """One simulation.
+
+    Attributes
+    ----------
+    name : str
+        What the run is called; a file-name-safe word. The file's name without suffix by default.
+    geometry : shape
+        The surface, by its ``kind``.
+    mesh : MeshSection
+        How finely it is divided.
+    kinetics : model
+        The reaction, by its ``model``.
+    tissue : TissueSection
+        Diffusivity and patches.
+    stimulus : tuple of stimuli
+        What starts the wave, each by its ``shape``.
+    time : TimeSection
+        How long and how the equations are marched.
+    record : RecordSection
+        What is written down besides the activation times.
+    targets : tuple of Target
+        The regions that the verdict is about.
+    """
+
+    name: Name = "simulation"
+    geometry: Geometry
+    mesh: MeshSection = field(default_factory=MeshSection)
+    kinetics: Kinetics = field(default_factory=RogersMcCulloch)
+    tissue: TissueSection = field(default_factory=TissueSection)
+    stimulus: Annotated[tuple[AnyStimulus, ...], MinLen(1)]
+    time: TimeSection
+    record: RecordSection = field(default_factory=RecordSection)
+    targets: tuple[Target, ...] = ()
+
+
+def target_key(name: str) -> str:
+    """Return the name under which a surface resolves the region of target ``name``."""
+    return f"targets.{name}"
+
+
+def regions_of(config: Config) -> dict[str, Region]:
+    """Return every region that the mesh has to resolve, by its key path in the config.
+
+    The keys are those of ``Surface.regions``: ``patch_key(name)``, ``target_key(name)`` and
+    ``stimulus_key(number)``.
+    """
+    regions = {patch_key(patch.name): patch.region for patch in config.tissue.patches}
+    regions |= {target_key(target.name): target.region for target in config.targets}
+    regions |= {
+        stimulus_key(number): stimulus.region
+        for number, stimulus in enumerate(config.stimulus)
+        if isinstance(stimulus, RegionStimulus)
+    }
+    return regions
