@@ -1,13 +1,15 @@
 """What the sections must agree on with each other, after each is right by itself."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Protocol
 
+from cardiosurf.config.fit import check_fit
+from cardiosurf.config.region_paths import leaves, regions_in
 from cardiosurf.config.sections import Config
 from cardiosurf.errors import InputError
-from cardiosurf.geometry.regions import All, AnyOf, Not, PatchReference, Region, resolve
+from cardiosurf.geometry.regions import PatchReference, Region, resolve
 from cardiosurf.spelling import did_you_mean
 from cardiosurf.tissue.patches import factors_of
 from cardiosurf.tissue.stimuli import RegionStimulus, beat_times, check_timing, stimulus_key
@@ -22,7 +24,9 @@ class _Named(Protocol):
 
 def check(config: Config) -> list[InputError]:
     """Return everything in which the sections contradict each other; ``where`` is a key path."""
+    shape = list(_raised(config.geometry.check))
     return [
+        *(shape or check_fit(config)),
         *_names("tissue.patches", config.tissue.patches),
         *_names("record.probes", config.record.probes),
         *_names("targets", config.targets),
@@ -118,38 +122,23 @@ def _raised(checked: Callable[[], object]) -> Iterator[InputError]:
 
 def _references(config: Config) -> Iterator[InputError]:
     order = [patch.name for patch in config.tissue.patches]
-    for number, patch in enumerate(config.tissue.patches):
-        where = f"tissue.patches.{number}.region"
-        yield from _unknown(patch.region, where, order[:number], order)
-    regions: Mapping[str, Region] = {
-        f"targets.{number}.region": target.region for number, target in enumerate(config.targets)
-    } | {
-        f"{stimulus_key(number)}.region": stimulus.region
-        for number, stimulus in enumerate(config.stimulus)
-        if isinstance(stimulus, RegionStimulus)
-    }
-    for where, region in regions.items():
-        yield from _unknown(region, where, order, order)
+    for place, region in regions_in(config):
+        section, number = place.split(".")[:2]
+        # a patch refers to earlier patches; what is not a patch refers to any
+        known = order[: int(place.split(".")[2])] if (section, number) == _PATCHES else order
+        for where, leaf in leaves(region, place):
+            if isinstance(leaf, PatchReference) and leaf.patch not in known:
+                yield _unknown_patch(f"{where}.patch", leaf.patch, known, order)
 
 
-def _unknown(
-    region: Region, where: str, known: Sequence[str], all_names: Sequence[str]
-) -> Iterator[InputError]:
-    """Yield an error for each reference to a patch that is not among the known ones."""
-    match region:
-        case PatchReference(patch=name) if name not in known:
-            listed = ", ".join(known) if known else "none: there is no patch before this one"
-            if name in all_names:
-                problem = f"patch {name!r} comes later; a patch refers to earlier ones only"
-            else:
-                guess = did_you_mean(name, known)
-                problem = f"unknown patch {name!r}" + (f", {guess}" if guess else "")
-            yield InputError(f"{where}.patch", problem, listed)
-        case All(all=parts) | AnyOf(any=parts):
-            word = "all" if isinstance(region, All) else "any"
-            for number, part in enumerate(parts):
-                yield from _unknown(part, f"{where}.{word}.{number}", known, all_names)
-        case Not(not_=part):
-            yield from _unknown(part, f"{where}.not", known, all_names)
-        case _:
-            pass
+_PATCHES = ("tissue", "patches")
+
+
+def _unknown_patch(where: str, name: str, known: Sequence[str], order: Sequence[str]) -> InputError:
+    if name in order:
+        problem = f"patch {name!r} is not before this one; a patch refers to earlier patches only"
+    else:
+        guess = did_you_mean(name, known)
+        problem = f"unknown patch {name!r}" + (f", {guess}" if guess else "")
+    nothing = f"nothing: {'no patch comes before this one' if order else 'there are no patches'}"
+    return InputError(where, problem, ", ".join(known) or nothing)

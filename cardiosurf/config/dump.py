@@ -9,7 +9,6 @@ from cardiosurf.config.core_schema import CoreDumper
 from cardiosurf.config.keys import yaml_name
 from cardiosurf.config.sections import Config
 
-
 # what tells the kinds of a section apart is read first
 _FIRST = ("kind", "model", "shape")
 
