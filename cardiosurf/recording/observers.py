@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.recording.growing import GrowingTable
-from cardiosurf.recording.recording import THRESHOLD, Events, ProbeTraces
+from cardiosurf.recording.recording import THRESHOLD, Events, FrameSeries, ProbeTraces
 from cardiosurf.recording.spool import Spool
 from cardiosurf.stepping.moment import Moment, Observer
 
@@ -190,6 +190,10 @@ class Frames:
         """Take the end as the last frame."""
         if moment.time > self._last_time:
             self._take(moment)
+
+    def series(self) -> FrameSeries:
+        """Return all frames; u and v stay in the spool's file and are read as they are used."""
+        return self._spool.series()
 
     def _take(self, moment: Moment) -> None:
         self._spool.append(moment.time, moment.state)

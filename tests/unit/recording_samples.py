@@ -1,12 +1,16 @@
 """Small surfaces, made-up marches and recordings whose every number is known."""
 
 from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from cardiosurf.arrays import Floats
 from cardiosurf.geometry.surface import Surface
+from cardiosurf.recording.observers import Activation, Frames, Probes
 from cardiosurf.recording.recording import Events, FrameSeries, ProbeTraces, Recording
+from cardiosurf.recording.spool import Spool
 from cardiosurf.stepping.moment import Moment
 from cardiosurf.tissue.patches import patch_key
 from cardiosurf.tissue.stimuli import Pulse
@@ -98,3 +102,25 @@ def sample_recording(name: str = "sample") -> Recording:
             "seed": None,
         },
     )
+
+
+def recorders(folder: Path, surface: Surface) -> dict[str, Any]:
+    """One of each observer that records, a probe in the middle of a triangle among them."""
+    folder.mkdir(exist_ok=True)
+    weights = np.array([[0.2, 0.3, 0.5]])
+    return {
+        "activation": Activation(),
+        "frames": Frames(2.0, Spool(folder / "frames.spool", len(surface.points))),
+        "probes": Probes(("p",), np.zeros((1, 3)), surface.triangles[3:4], weights),
+    }
+
+
+def recorded(recorders: dict[str, Any]) -> tuple[Floats, ...]:
+    """Everything that ``recorders`` recorded, as arrays."""
+    activation, frames, probes = recorders.values()
+    up, down = activation.activations(), activation.repolarisations()
+    series, traces = frames.series(), probes.traces()
+    return (
+        up.nodes, up.times, down.nodes, down.times,
+        series.times, series.u, series.v, traces.times, traces.u, traces.v,
+    )  # fmt: skip

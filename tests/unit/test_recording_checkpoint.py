@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recording_samples import square_surface
+from recording_samples import recorded, recorders, square_surface
 
 from cardiosurf.errors import InputError
 from cardiosurf.fem.operators import assemble
@@ -14,8 +14,6 @@ from cardiosurf.recording.checkpoint import (
     restore_checkpoint,
     stopped_by_signals,
 )
-from cardiosurf.recording.observers import Activation, Frames, Probes
-from cardiosurf.recording.spool import Spool
 from cardiosurf.stepping.controls import TimeSection, decide
 from cardiosurf.stepping.march import march
 from cardiosurf.stepping.walk import Problem
@@ -36,26 +34,6 @@ def problem():
         Pulse(250.0, 0.0, (y < 10).astype(float), "stimulus.1"),
     )
     return Problem(operators, KINETICS, pulses)
-
-
-def recorders(folder):
-    folder.mkdir(exist_ok=True)
-    weights = np.array([[0.2, 0.3, 0.5]])
-    return {
-        "activation": Activation(),
-        "frames": Frames(20.0, Spool(folder / "frames.spool", len(SURFACE.points))),
-        "probes": Probes(("p",), np.zeros((1, 3)), SURFACE.triangles[99:100], weights),
-    }
-
-
-def results(recorders):
-    activation, frames, probes = recorders.values()
-    up, down = activation.activations(), activation.repolarisations()
-    series, traces = frames._spool.series(), probes.traces()
-    return (
-        up.nodes, up.times, down.nodes, down.times,
-        series.times, series.u, series.v, traces.times, traces.u, traces.v,
-    )  # fmt: skip
 
 
 class Interrupter:
@@ -81,33 +59,33 @@ def controls(end=320.0):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    observers = recorders(tmp_path_factory.mktemp("whole"))
+    observers = recorders(tmp_path_factory.mktemp("whole"), SURFACE)
     march(problem(), controls(), list(observers.values()))
-    return results(observers)
+    return recorded(observers)
 
 
 @pytest.mark.parametrize("when", [2.0, 121.0, 250.0, 318.0])
 def test_a_run_stopped_by_ctrl_c_goes_on_bit_for_bit(tmp_path, whole, when):
     path = tmp_path / "checkpoint.npz"
-    first = recorders(tmp_path)
+    first = recorders(tmp_path, SURFACE)
     writer = CheckpointWriter(path, 1e9, first, "hash")
     stopper = Interrupter(when, lambda: os.kill(os.getpid(), signal.SIGINT))
     with stopped_by_signals(writer), pytest.raises(KeyboardInterrupt):
         march(problem(), controls(), [*first.values(), stopper, writer])
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
-    second = recorders(tmp_path)
+    second = recorders(tmp_path, SURFACE)
     start = restore_checkpoint(path, second, "hash")
     assert start.time == pytest.approx(when, abs=2.0)
     march(problem(), controls(), list(second.values()), start=start)
-    for expected, found in zip(whole, results(second), strict=True):
+    for expected, found in zip(whole, recorded(second), strict=True):
         assert len(expected) > 10
         assert np.array_equal(expected, found)
 
 
 def test_a_run_killed_after_a_checkpoint_goes_on_bit_for_bit(tmp_path, whole):
     path = tmp_path / "checkpoint.npz"
-    first = recorders(tmp_path)
+    first = recorders(tmp_path, SURFACE)
     writer = CheckpointWriter(path, 1e9, first, "hash")
 
     def due():
@@ -119,22 +97,22 @@ def test_a_run_killed_after_a_checkpoint_goes_on_bit_for_bit(tmp_path, whole):
     observers = [*first.values(), Interrupter(100, due), writer, Interrupter(155, die)]
     with pytest.raises(MemoryError):
         march(problem(), controls(), observers)
-    second = recorders(tmp_path)
+    second = recorders(tmp_path, SURFACE)
     start = restore_checkpoint(path, second, "hash")
     assert start.time == 100.0
     march(problem(), controls(), list(second.values()), start=start)
-    for expected, found in zip(whole, results(second), strict=True):
+    for expected, found in zip(whole, recorded(second), strict=True):
         assert np.array_equal(expected, found)
     assert [entry.name for entry in tmp_path.iterdir() if entry.suffix == ".partial"] == []
 
 
 def test_a_checkpoint_is_due_by_wall_time_and_removed_on_request(tmp_path):
     path = tmp_path / "checkpoint.npz"
-    observers = recorders(tmp_path)
+    observers = recorders(tmp_path, SURFACE)
     patient = CheckpointWriter(path, 1e9, observers, "hash")
     march(problem(), controls(10.0), [*observers.values(), patient])
     assert not path.exists()
-    observers = recorders(tmp_path)
+    observers = recorders(tmp_path, SURFACE)
     eager = CheckpointWriter(path, 1e-9, observers, "hash")
     march(problem(), controls(10.0), [*observers.values(), eager])
     assert path.exists()
@@ -144,21 +122,21 @@ def test_a_checkpoint_is_due_by_wall_time_and_removed_on_request(tmp_path):
 
 def test_checkpoints_of_another_run_and_other_files_are_refused(tmp_path):
     path = tmp_path / "checkpoint.npz"
-    observers = recorders(tmp_path)
+    observers = recorders(tmp_path, SURFACE)
     writer = CheckpointWriter(path, 1e-9, observers, "one")
     march(problem(), controls(10.0), [*observers.values(), writer])
     with pytest.raises(InputError, match="another config"):
-        restore_checkpoint(path, recorders(tmp_path), "other")
+        restore_checkpoint(path, recorders(tmp_path, SURFACE), "other")
     path.write_bytes(path.read_bytes()[:500])
     with pytest.raises(InputError, match="cannot be read as a checkpoint"):
-        restore_checkpoint(path, recorders(tmp_path), "one")
+        restore_checkpoint(path, recorders(tmp_path, SURFACE), "one")
     with pytest.raises(InputError, match="cannot be read as a checkpoint"):
-        restore_checkpoint(tmp_path / "none.npz", recorders(tmp_path), "one")
+        restore_checkpoint(tmp_path / "none.npz", recorders(tmp_path, SURFACE), "one")
 
 
 def test_a_full_disk_keeps_the_checkpoint_before(tmp_path, monkeypatch):
     path = tmp_path / "checkpoint.npz"
-    observers = recorders(tmp_path)
+    observers = recorders(tmp_path, SURFACE)
     writer = CheckpointWriter(path, 1e-9, observers, "hash")
     march(problem(), controls(10.0), [*observers.values(), writer])
     kept = path.read_bytes()
@@ -168,6 +146,10 @@ def test_a_full_disk_keeps_the_checkpoint_before(tmp_path, monkeypatch):
 
     monkeypatch.setattr(np, "savez", full)
     with pytest.raises(InputError, match="No space left"):
-        march(problem(), replace(controls(), end=20.0), [*recorders(tmp_path).values(), writer])
+        march(
+            problem(),
+            replace(controls(), end=20.0),
+            [*recorders(tmp_path, SURFACE).values(), writer],
+        )
     assert path.read_bytes() == kept
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["checkpoint.npz", "frames.spool"]

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from recording_samples import moments, potentials, square_surface
+from recording_samples import moments, potentials, recorded, recorders, square_surface
 
 from cardiosurf.errors import InputError
 from cardiosurf.recording.growing import FIRST_ROWS, GrowingTable
@@ -89,7 +89,7 @@ def test_frames_come_at_the_first_step_at_or_beyond_each_multiple_and_at_the_end
     times = np.cumsum(np.full(45, 0.7)) - 0.7
     states = potentials(np.linspace(0, 1, 45).tolist(), np.linspace(1, 0, 45).tolist())
     frames = Frames(7.0, Spool(tmp_path / "frames.spool", 2))
-    series = watch(frames, times, states)._spool.series()
+    series = watch(frames, times, states).series()
     expected = [0, 10, 20, 30, 40, 44]
     assert series.times.tolist() == times[expected].tolist()
     assert np.array_equal(series.u, states[expected, 0].astype(np.float32))
@@ -99,7 +99,7 @@ def test_frames_come_at_the_first_step_at_or_beyond_each_multiple_and_at_the_end
 def test_steps_longer_than_the_frame_interval_give_one_frame_each(tmp_path):
     states = potentials([0.0, 0.1, 0.2, 0.3])
     frames = Frames(1.0, Spool(tmp_path / "frames.spool", 1))
-    assert watch(frames, [0, 2.5, 5.0, 7.5], states)._spool.series().times.tolist() == [
+    assert watch(frames, [0, 2.5, 5.0, 7.5], states).series().times.tolist() == [
         0,
         2.5,
         5,
@@ -110,7 +110,7 @@ def test_steps_longer_than_the_frame_interval_give_one_frame_each(tmp_path):
 def test_a_pulse_at_the_time_of_a_frame_is_in_the_frame(tmp_path):
     frames = Frames(5.0, Spool(tmp_path / "frames.spool", 1))
     states = potentials([0.0, 1.0, 0.9, 0.8])
-    series = watch(frames, [0.0, 0.0, 4.0, 6.0], states)._spool.series()
+    series = watch(frames, [0.0, 0.0, 4.0, 6.0], states).series()
     assert series.times.tolist() == [0.0, 6.0]
     assert series.u[:, 0].tolist() == [np.float32(1.0), np.float32(0.8)]
 
@@ -143,45 +143,26 @@ def test_observers_restored_in_mid_run_record_bit_for_bit_the_same(tmp_path, cut
     rng = np.random.default_rng(3)
     times = np.cumsum(rng.uniform(0.1, 1.0, 50))
     states = rng.uniform(0.0, 1.0, (50, 2, len(surface.points)))
-    weights = np.array([[0.2, 0.3, 0.5]])
-
-    def observers(folder):
-        folder.mkdir(exist_ok=True)
-        return (
-            Activation(),
-            Probes(("p",), np.zeros((1, 3)), surface.triangles[3:4], weights),
-            Frames(2.0, Spool(folder / "spool", len(surface.points))),
-        )
-
-    def results(observers):
-        activation, probes, frames = observers
-        up, down = activation.activations(), activation.repolarisations()
-        series, traces = frames._spool.series(), probes.traces()
-        return (
-            up.nodes, up.times, down.nodes, down.times,
-            series.times, series.u, series.v, traces.times, traces.u, traces.v,
-        )  # fmt: skip
-
-    whole = observers(tmp_path / "whole")
-    for observer in whole:
+    whole = recorders(tmp_path / "whole", surface)
+    for observer in whole.values():
         watch(observer, times, states)
-    first, second = observers(tmp_path / "parts"), None
+    first = recorders(tmp_path / "parts", surface)
     seen: list[Moment] = list(moments(times, states))
-    for observer in first:
+    for observer in first.values():
         observer.initialize(seen[0])
         for moment in seen[1 : cut + 1]:
             observer.handle(moment)
-    memory = [dict(observer.snapshot()) for observer in first]
-    for observer in first:  # it goes on a little before it dies
+    memory = {name: dict(observer.snapshot()) for name, observer in first.items()}
+    for observer in first.values():  # it goes on a little before it dies
         for moment in seen[cut + 1 : cut + 6]:
             observer.handle(moment)
-    second = observers(tmp_path / "parts")
-    for observer, kept in zip(second, memory, strict=True):
-        observer.restore(kept)
+    second = recorders(tmp_path / "parts", surface)
+    for name, observer in second.items():
+        observer.restore(memory[name])
         observer.initialize(seen[cut])
         for moment in seen[cut + 1 :]:
             observer.handle(moment)
         observer.finalize(seen[-1])
-    for expected, found in zip(results(whole), results(second), strict=True):
+    for expected, found in zip(recorded(whole), recorded(second), strict=True):
         assert np.array_equal(expected, found)
         assert len(expected) > 3
