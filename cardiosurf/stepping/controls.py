@@ -3,8 +3,10 @@
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+import numpy as np
 from annotated_types import Ge, Le
 
+from cardiosurf.fem.operators import Operators
 from cardiosurf.kinetics import Kinetics
 from cardiosurf.sections import Positive, Section
 from cardiosurf.stepping.schemes import SCHEMES, Scheme
@@ -46,7 +48,7 @@ class Controls:
     solver: SolverChoice
 
 
-def decide(section: TimeSection, kinetics: Kinetics, nodes: int) -> Controls:
+def decide(section: TimeSection, kinetics: Kinetics, operators: Operators) -> Controls:
     """Return the controls that the section asks for, each "auto" decided.
 
     Parameters
@@ -55,13 +57,21 @@ def decide(section: TimeSection, kinetics: Kinetics, nodes: int) -> Controls:
         What the user wants.
     kinetics : Kinetics
         The reaction, whose rate sets the automatic step.
-    nodes : int
-        Number of vertices, which sets the automatic solver.
+    operators : Operators
+        The matrices, whose size and stiffness set the automatic solver.
     """
     scheme = SCHEMES[section.scheme]
     if section.step == "auto":
         step = auto_step(scheme, kinetics)
     else:
         step = StepChoice(section.step, "asked for")
-    solver = choose_solver(nodes, wanted=section.solver, tolerance=section.tolerance)
+    weight = step.step * scheme.implicit[0] / scheme.state[0]
+    rates = operators.stiffness.diagonal() / operators.mass.diagonal()
+    solver = choose_solver(
+        len(rates),
+        stiffness=weight * float(np.mean(rates)),
+        steps=section.end / step.step,
+        wanted=section.solver,
+        tolerance=section.tolerance,
+    )
     return Controls(scheme, step, section.end, solver)

@@ -17,7 +17,6 @@ SolverFactory: TypeAlias = Callable[[Matrix], Solve]
 
 LOOSEST_TOLERANCE = 1e-5
 ITERATION_LIMIT = 1000
-SMALL = 400
 
 
 @dataclass(frozen=True)
@@ -137,26 +136,39 @@ def direct() -> SolverFactory:
 def choose_solver(
     nodes: int,
     *,
+    stiffness: float = 1.0,
+    steps: float = np.inf,
     wanted: Literal["auto", "cg", "direct"] = "auto",
     tolerance: float = 1e-7,
 ) -> SolverChoice:
     """Return the linear solver for a mesh, with the reason.
 
+    The measured rule (docs/numerics.md) counts in iterations of conjugate gradients: a step takes
+    1.5 + 2.5 sqrt(s) of them, a back-solve costs sqrt(n) / 14 and the three factorisations of a
+    run 6 sqrt(n).
+
     Parameters
     ----------
     nodes : int
-        Number of vertices.
+        Number of vertices n.
+    stiffness : float
+        s, the mean of w K_ii / M_ii, in the matrix M + w K.
+    steps : float
+        Number of steps ahead.
     wanted : {"auto", "cg", "direct"}
-        "auto" leaves the choice to the measured rule of docs/numerics.md.
+        "auto" leaves the choice to the rule.
     tolerance : float
         Relative residual of conjugate gradients.
     """
-    if wanted == "cg":
-        return SolverChoice("cg", "asked for", conjugate_gradients(tolerance))
-    if wanted == "direct":
-        return SolverChoice("direct", "asked for", direct())
-    if nodes < SMALL:
-        reason = f"{nodes} nodes: below {SMALL} a back-solve costs less than the iterations"
-        return SolverChoice("direct", reason, direct())
-    reason = f"{nodes} nodes: from {SMALL} on a few iterations cost less than a back-solve"
-    return SolverChoice("cg", reason, conjugate_gradients(tolerance))
+    iterations = 1.5 + 2.5 * stiffness**0.5
+    equivalent = nodes**0.5 * (1.0 / 14.0 + 6.0 / steps)
+    name = wanted
+    reason = "asked for"
+    if wanted == "auto":
+        name = "direct" if equivalent < iterations else "cg"
+        reason = (
+            f"{nodes} nodes: a step is estimated at {iterations:.1f} iterations of cg, "
+            f"or as much work as {equivalent:.1f} with direct"
+        )
+    factory = direct() if name == "direct" else conjugate_gradients(tolerance)
+    return SolverChoice(name, reason, factory)

