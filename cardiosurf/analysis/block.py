@@ -30,10 +30,10 @@ class TargetFinding:
     first_activation, last_activation : float or None
         First and last LAT in the activated part, in tu.
     route : str or None
-        ``direct``: most of the activated area was reached through the entrance that the
-        unperturbed wave would meet; ``indirect``: by another way; None: not activated.
+        ``direct``: the wave came in across at least half of the entrance that the unperturbed
+        wave would meet; ``indirect``: mostly by another way; None: not activated.
     direct_fraction : float or None
-        The share of the activated area that was reached through the entrance.
+        The share of the entrance's length that the wave crossed.
     """
 
     name: str
@@ -74,7 +74,7 @@ def target_finding(name: str, activation: Map, inside: Mask, areas: Floats) -> T
     fraction = float(areas[inside][activated].sum() / areas[inside].sum())
     if not activated.any():
         return TargetFinding(name, judge(fraction), fraction, None, None, None, None)
-    way = route_into(activation, inside, areas)
+    way = route_into(activation, inside)
     return TargetFinding(
         name,
         judge(fraction),

@@ -31,16 +31,18 @@ def stimulated(recording: Recording) -> Mask:
     """
     first = min(pulse.time for pulse in recording.pulses)
     profiles = [pulse.profile for pulse in recording.pulses if pulse.time == first]
-    return np.any([profile >= 0.5 * profile.max() for profile in profiles], axis=0)
+    strong: Mask = np.any([profile >= 0.5 * profile.max() for profile in profiles], axis=0)
+    return strong
 
 
 def excitable_vertex_areas(recording: Recording) -> Floats:
     """Return the excitable area that belongs to each vertex, (n,), in su^2."""
     surface, excitable = recording.surface, recording.tissue.excitable
     shares = np.repeat(surface.areas()[excitable] / 3.0, 3)
-    return np.bincount(
+    areas: Floats = np.bincount(
         surface.triangles[excitable].ravel(), weights=shares, minlength=recording.node_count
-    )
+    ).astype(np.float64)
+    return areas
 
 
 def judge_recording(recording: Recording) -> Verdict:

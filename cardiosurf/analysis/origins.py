@@ -7,7 +7,7 @@ trajectories start is carried along all of them at once by one sparse solve.
 
 import numpy as np
 from scipy.sparse import coo_array, eye_array
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import splu
 
 from cardiosurf.arrays import Floats, Ints, Mask
 
@@ -75,13 +75,13 @@ def carry_labels(
         Diffusivity on those triangles, in su^2/tu.
     lat : (n,) float
         Local activation times, finite on all these triangles' vertices, in tu.
-    labels : (n,) float
-        The label a trajectory gets when it starts at a vertex, i.e. when none of the given
+    labels : (n, k) float
+        The labels a trajectory gets when it starts at a vertex, i.e. when none of the given
         triangles is upwind of it.
 
     Returns
     -------
-    (n,) float
+    (n, k) float
         The labels carried along; NaN at vertices of no given triangle.
     """
     gradient = triangle_gradients(points, triangles, lat)
@@ -105,10 +105,11 @@ def carry_labels(
     first = np.flatnonzero(np.r_[True, i[1:] != i[:-1]]) if i.size else np.empty(0, dtype=np.int64)
     i, a, b, s = i[first], a[first], b[first], s[first]
     carried = coo_array((np.r_[1 - s, s], (np.r_[i, i], np.r_[a, b])), shape=(count, count)).tocsr()
-    start = np.ones(count, dtype=bool)
-    start[i] = False
-    source = np.where(start, labels, 0.0)
-    result = np.asarray(spsolve((eye_array(count, format="csr") - carried).tocsc(), source))
-    reached = np.zeros(count, dtype=bool)
-    reached[triangles.ravel()] = True
-    return np.where(reached, result, np.nan)
+    start = np.ones((count, 1))
+    start[i] = 0.0
+    system = splu((eye_array(count, format="csr") - carried).tocsc())
+    result: Floats = system.solve(start * labels)
+    beyond = np.ones(count, dtype=np.bool_)
+    beyond[triangles.ravel()] = False
+    result[beyond] = np.nan
+    return result

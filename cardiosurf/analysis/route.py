@@ -2,27 +2,33 @@
 
 The entrance is the part of the target's edge that the unperturbed wave (isotropic tissue, same
 stimulus) would meet first: where its direction makes less than 60 degrees with the inward normal.
-Each activated point of the target is led back along its trajectory to where that trajectory came
-into the target. Where most of the activated area (at least half) came in through the entrance, the
-route is ``direct``, otherwise ``indirect``.
+A place on the entrance was *crossed* when the tissue one front width behind it was excited along
+trajectories that came in there. Where at least half of the entrance's length was crossed, the route
+is ``direct``, otherwise ``indirect``.
 """
 
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.spatial import cKDTree
 
+from cardiosurf.analysis.distance import distance_from
 from cardiosurf.analysis.origins import carry_labels, triangle_gradients
 from cardiosurf.arrays import Floats, Ints, Mask
 
 Route = Literal["direct", "indirect"]
 
 ENTRANCE_COSINE = 0.5
+FRONT_WIDTH = 12.0
+"""10-90 % width of a front in su: so far a front that is blocked still reaches."""
+SIDEWAYS = 1.5
+"""How far along the entrance a trajectory may drift, in units of its depth (about 56 degrees)."""
 
 
 @dataclass(frozen=True)
 class RouteFinding:
-    """The route of a target and the share of its activated area that came by the entrance."""
+    """The route of a target and the share of its entrance's length that the wave crossed."""
 
     route: Route | None
     direct_fraction: float | None
@@ -56,10 +62,8 @@ def edges_of(triangles: Ints, inside: Mask) -> tuple[Ints, Ints]:
     return sides[shared[between]], own
 
 
-def entrance_vertices(
-    points: Floats, triangles: Ints, inside: Mask, unperturbed: Floats
-) -> tuple[Mask, Mask]:
-    """Return which vertices lie on the set's edge, and which of them on its entrance.
+def entrance_weights(points: Floats, triangles: Ints, inside: Mask, unperturbed: Floats) -> Floats:
+    """Return the length of entrance that belongs to each vertex.
 
     Parameters
     ----------
@@ -71,25 +75,25 @@ def entrance_vertices(
         The target's triangles.
     unperturbed : (n,) float
         Arrival times (or distances) of the unperturbed wave.
+
+    Returns
+    -------
+    (n,) float
+        Half the length of the adjoining entrance edges, in su; 0 off the entrance.
     """
     edges, owner = edges_of(triangles, inside)
-    on_edge = np.zeros(len(points), dtype=bool)
-    on_edge[edges.ravel()] = True
-    entrance = np.zeros(len(points), dtype=bool)
     if len(edges) == 0:
-        return on_edge, entrance
+        return np.zeros(len(points))
     along = points[edges[:, 1]] - points[edges[:, 0]]
+    squared = np.einsum("ij,ij->i", along, along)
     inward = points[triangles[owner]].mean(axis=1) - points[edges[:, 0]]
-    inward -= (
-        along
-        * (np.einsum("ij,ij->i", inward, along) / np.einsum("ij,ij->i", along, along))[:, None]
-    )
+    inward -= along * (np.einsum("ij,ij->i", inward, along) / squared)[:, None]
     inward /= np.linalg.norm(inward, axis=1)[:, None]
     gradient = triangle_gradients(points, triangles[owner], unperturbed)
-    with np.errstate(invalid="ignore"):
-        cosine = np.einsum("ij,ij->i", gradient, inward) / np.linalg.norm(gradient, axis=1)
-    entrance[edges[cosine > ENTRANCE_COSINE].ravel()] = True
-    return on_edge, entrance
+    steepness = np.linalg.norm(gradient, axis=1)
+    enters = np.einsum("ij,ij->i", gradient, inward) > ENTRANCE_COSINE * steepness
+    halves = np.repeat(0.5 * np.sqrt(squared[enters]), 2)
+    return np.bincount(edges[enters].ravel(), weights=halves, minlength=len(points))
 
 
 @dataclass(frozen=True)
@@ -115,7 +119,7 @@ class Map:
     unperturbed: Floats
 
 
-def route_into(activation: Map, inside: Mask, areas: Floats) -> RouteFinding:
+def route_into(activation: Map, inside: Mask) -> RouteFinding:
     """Return the route by which the wave came into a target.
 
     Parameters
@@ -124,24 +128,54 @@ def route_into(activation: Map, inside: Mask, areas: Floats) -> RouteFinding:
         The activation map.
     inside : (m,) bool
         The target's triangles.
-    areas : (m,) float
-        Areas of all triangles, in su^2.
     """
-    chosen = inside & np.isfinite(activation.lat)[activation.triangles].all(axis=1)
-    if not chosen.any():
+    active = inside & np.isfinite(activation.lat)[activation.triangles].all(axis=1)
+    if not active.any():
         return RouteFinding(None, None)
-    on_edge, entrance = entrance_vertices(
+    weights = entrance_weights(
         activation.points, activation.triangles, inside, activation.unperturbed
     )
-    # a trajectory that starts inside the target began at a stimulus there: nothing was bypassed
-    labels = np.where(on_edge & ~entrance, 0.0, 1.0)
+    if not weights.any():
+        # nothing to pass: the stimulus lies inside, or the target is all there is
+        return RouteFinding("direct", 1.0)
+    fraction = _crossed_fraction(activation, inside, active, weights)
+    return RouteFinding("direct" if fraction >= 0.5 else "indirect", fraction)
+
+
+def _crossed_fraction(activation: Map, inside: Mask, active: Mask, weights: Floats) -> float:
+    """Return the share of the entrance's length behind which the wave came in by it."""
+    points = activation.points
+    entrance = np.flatnonzero(weights)
+    depth = distance_from(points, activation.triangles[inside], weights > 0)
+    reached = depth[np.isfinite(depth)]
+    behind = min(FRONT_WIDTH, 0.5 * float(reached.max()))
+    edge = float(np.sqrt(np.median(_squared_edges(points, activation.triangles[inside]))))
+    layer = np.flatnonzero((depth >= behind) & (depth <= behind + 1.5 * edge))
+    # what comes from the entrance carries the place where it came in
+    labels = np.zeros((len(points), 4))
+    labels[entrance, 0] = 1.0
+    labels[entrance, 1:] = points[entrance]
     carried = carry_labels(
-        activation.points,
-        activation.triangles[chosen],
-        activation.tensor[chosen],
+        points,
+        activation.triangles[active],
+        activation.tensor[active],
         activation.lat,
         labels,
-    )
-    share = carried[activation.triangles[chosen]].mean(axis=1)
-    fraction = float(np.average(share, weights=areas[chosen]))
-    return RouteFinding("direct" if fraction >= 0.5 else "indirect", fraction)
+    )[layer]
+    nearest = cKDTree(points[entrance]).query(points[layer])[1]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        came_in = carried[:, 1:] / carried[:, :1]
+        drift = np.linalg.norm(came_in - points[entrance[nearest]], axis=1)
+        crossed = (carried[:, 0] >= 0.5) & (drift <= SIDEWAYS * behind + edge)
+    seen = np.bincount(nearest, minlength=len(entrance))
+    share = np.bincount(nearest, weights=crossed, minlength=len(entrance))
+    known = seen > 0
+    if not known.any():
+        return 0.0
+    return float(np.average(share[known] / seen[known], weights=weights[entrance[known]]))
+
+
+def _squared_edges(points: Floats, triangles: Ints) -> Floats:
+    sides = points[triangles] - points[np.roll(triangles, 1, axis=1)]
+    squared: Floats = np.einsum("mij,mij->mi", sides, sides)
+    return squared

@@ -33,7 +33,7 @@ class Verdict:
     captured : bool
         Whether the stimulus started a wave.
     verdict : str
-        ``no_capture``, ``reentry``, or the worst of the targets: block, partial, conduction.
+        ``no_capture``, ``reentry`` (sustained), or the targets' worst: block, partial, conduction.
     targets : tuple of TargetFinding
         What happened to each target.
     reentry : ReentryFinding
@@ -69,10 +69,23 @@ class Verdict:
 def whole_verdict(
     captured: bool, targets: tuple[TargetFinding, ...], reentry: ReentryFinding
 ) -> WholeVerdict:
-    """Return the verdict over all targets: no_capture, reentry, or the targets' worst."""
+    """Return the verdict over all targets: no_capture, reentry, or the targets' worst.
+
+    Only sustained reentry decides it: a wave that came back and died leaves the question whether
+    the targets conduct, and stands in ``reentry`` beside the answer.
+
+    Parameters
+    ----------
+    captured : bool
+        Whether the stimulus started a wave.
+    targets : tuple of TargetFinding
+        What happened to each target.
+    reentry : ReentryFinding
+        Whether activation came back.
+    """
     if not captured:
         return "no_capture"
-    if reentry.verdict != "none":
+    if reentry.verdict == "sustained":
         return "reentry"
     found = {target.verdict for target in targets}
     for verdict in ("block", "partial"):

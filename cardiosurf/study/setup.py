@@ -9,7 +9,7 @@ from cardiosurf.geometry import build_surface
 from cardiosurf.geometry.surface import Surface
 from cardiosurf.stepping.controls import Controls, decide
 from cardiosurf.stepping.march import Problem
-from cardiosurf.tissue.stimuli import build_pulses
+from cardiosurf.tissue.stimuli import Pulse, build_pulses
 from cardiosurf.tissue.tensor import Tissue, build_tissue
 
 
@@ -23,14 +23,17 @@ class Setup:
         The mesh, with lines along the edges of every region.
     tissue : Tissue
         Diffusivity and excitability of each triangle.
+    pulses : tuple of Pulse
+        Every beat of every stimulus, in the order of time.
     problem : Problem
-        Matrices, kinetics and pulses.
+        Matrices, kinetics and these pulses.
     controls : Controls
         Scheme, step, end and linear solver, each "auto" decided.
     """
 
     surface: Surface
     tissue: Tissue
+    pulses: tuple[Pulse, ...]
     problem: Problem
     controls: Controls
 
@@ -63,5 +66,6 @@ def set_up(config: Config) -> Setup:
         tissue.excitable,
         mass=config.mesh.mass,
     )
-    controls = decide(config.time, config.kinetics, len(surface.points))
-    return Setup(surface, tissue, Problem(operators, config.kinetics, pulses), controls)
+    controls = decide(config.time, config.kinetics, operators)
+    problem = Problem(operators, config.kinetics, pulses)
+    return Setup(surface, tissue, pulses, problem, controls)

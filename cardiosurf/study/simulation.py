@@ -152,7 +152,7 @@ def _recording(
         surface=setup.surface,
         tissue=setup.tissue,
         targets=setup.targets(loaded.config),
-        pulses=setup.problem.pulses,
+        pulses=setup.pulses,
         activations=watch.activation.activations(),
         repolarisations=watch.activation.repolarisations(),
         frames=frames if watch.spool is None else watch.spool.series(),

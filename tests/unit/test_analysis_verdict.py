@@ -93,7 +93,7 @@ NONE = ReentryFinding("none", 1, None)
         (True, ("partial", "block"), NONE, "block"),
         (True, ("conduction",), NONE, "conduction"),
         (True, ("block",), ReentryFinding("sustained", 9, 250.0), "reentry"),
-        (True, ("conduction",), ReentryFinding("transient", 2, 250.0), "reentry"),
+        (True, ("conduction",), ReentryFinding("transient", 2, 250.0), "conduction"),
     ],
 )
 def test_the_whole_verdict_is_the_worst(is_captured, targets, reentry, expected):

@@ -1,0 +1,236 @@
+"""Whole runs through the command line, on a plane small enough for a second each."""
+
+import errno
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import jsonschema
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardiosurf.analysis.verdict import verdict_schema
+from cardiosurf.cli.main import main
+
+STRIP = """\
+name: strip
+geometry: {kind: plane, x: [0, 80], y: [0, 10]}
+mesh: {edge_length: 2.5}
+stimulus:
+  - {shape: edge, edge: left}
+time: {end: 900, step: 1}
+record:
+  frames_every: 50
+  probes: [{name: middle, at: [40, 5, 0]}]
+targets:
+  - {name: far, region: {box: {x: [60, 80]}}}
+"""
+
+
+@pytest.fixture
+def strip(tmp_path):
+    path = tmp_path / "strip.yaml"
+    path.write_text(STRIP)
+    return path
+
+
+def cardiosurf(*words):
+    """Run the command as a process and return it."""
+    return subprocess.run(
+        [sys.executable, "-m", "cardiosurf", *map(str, words)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+
+def test_a_run_writes_a_verdict_that_meets_the_schema(strip, tmp_path):
+    done = cardiosurf("run", strip, "-o", tmp_path / "out", "--json")
+    assert done.returncode == 0, done.stderr
+    verdict = json.loads(done.stdout)
+    jsonschema.Draft202012Validator(verdict_schema()).validate(verdict)
+    assert verdict == json.loads((tmp_path / "out" / "verdict.json").read_text())
+    assert verdict["verdict"] == "conduction"
+    (far,) = verdict["targets"]
+    assert far["route"] == "direct"
+    assert far["activated_fraction"] == 1.0
+    # the wave starts at the stimulus' edge, 4 su in, and runs at 0.2123 su/tu (PHYSICS); it takes
+    # some tens of su to get up to speed, so the whole way is allowed 5 %
+    assert far["first_activation"] == pytest.approx((60 - 4) / 0.2123, rel=0.05)
+    assert verdict["quiescent_at"] == verdict["end"] < 900
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "recording.h5",
+        "recording.xdmf",
+        "recording_maps.xdmf",
+        "config.yaml",
+        "verdict.json",
+    }
+
+
+def test_the_summary_is_readable_and_quiet(strip, tmp_path):
+    done = cardiosurf("run", strip, "-o", tmp_path / "out")
+    assert done.returncode == 0
+    assert done.stdout.startswith("strip: CONDUCTION\n")
+    assert "100.0% activated" in done.stdout
+    assert str(tmp_path / "out") in done.stdout
+    # not a terminal: no progress bar, no control characters
+    assert done.stderr == ""
+    assert "\x1b" not in done.stdout
+
+
+def test_the_resolved_config_is_the_same_run(strip, tmp_path):
+    first = cardiosurf("run", strip, "-o", tmp_path / "one", "--json")
+    again = cardiosurf("run", tmp_path / "one" / "config.yaml", "-o", tmp_path / "two", "--json")
+    assert json.loads(first.stdout) == json.loads(again.stdout)
+
+
+def test_analyze_says_what_run_said(strip, tmp_path):
+    ran = cardiosurf("run", strip, "-o", tmp_path / "out", "--json")
+    for place in (tmp_path / "out", tmp_path / "out" / "recording.h5"):
+        analyzed = cardiosurf("analyze", place, "--json")
+        assert json.loads(analyzed.stdout) == json.loads(ran.stdout)
+
+
+def test_the_printed_kinetics_capture_nothing(strip, tmp_path):
+    done = cardiosurf(
+        "run", strip, "-o", tmp_path / "out", "--set", "kinetics.model=fitzhugh_nagumo"
+    )
+    assert done.returncode == 0
+    assert "NO CAPTURE" in done.stdout
+    assert "note: the stimulus started no wave" in done.stdout
+
+
+def test_a_stimulus_too_weak_is_no_capture_and_not_block(strip, tmp_path):
+    done = cardiosurf(
+        "run", strip, "-o", tmp_path / "out", "--json", "--set", "stimulus.0.amplitude=0.1"
+    )
+    verdict = json.loads(done.stdout)
+    assert verdict["captured"] is False
+    assert verdict["verdict"] == "no_capture"
+    assert verdict["notes"]
+
+
+def test_a_scar_across_the_strip_blocks(strip, tmp_path):
+    scar = "{patches: [{name: scar, region: {box: {x: [30, 50]}}, excitable: false}]}"
+    done = cardiosurf("run", strip, "-o", tmp_path / "out", "--json", "--set", f"tissue={scar}")
+    verdict = json.loads(done.stdout)
+    assert verdict["verdict"] == "block"
+    assert verdict["targets"][0]["activated_fraction"] == 0.0
+    assert verdict["targets"][0]["route"] is None
+
+
+def test_a_finished_run_is_not_replaced_unasked(strip, tmp_path):
+    out = tmp_path / "out"
+    assert cardiosurf("run", strip, "-o", out).returncode == 0
+    before = (out / "recording.h5").read_bytes()
+    refused = cardiosurf("run", strip, "-o", out)
+    assert refused.returncode == 2
+    assert "holds a finished run" in refused.stderr
+    assert "--overwrite" in refused.stderr
+    assert (out / "recording.h5").read_bytes() == before
+    assert cardiosurf("run", strip, "-o", out, "--overwrite").returncode == 0
+
+
+def test_blow_up_is_named_at_its_step_and_leaves_nothing(strip, tmp_path):
+    out = tmp_path / "out"
+    done = cardiosurf("run", strip, "-o", out, "--set", "time.step=60")
+    assert done.returncode == 3
+    assert "at step" in done.stderr
+    assert "time.step" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not out.exists()
+
+
+def test_a_failed_rerun_leaves_the_finished_run(strip, tmp_path):
+    out = tmp_path / "out"
+    assert cardiosurf("run", strip, "-o", out).returncode == 0
+    assert (
+        cardiosurf("run", strip, "-o", out, "--overwrite", "--set", "time.step=60").returncode == 3
+    )
+    assert json.loads((out / "verdict.json").read_text())["verdict"] == "conduction"
+    assert not (out / ".partial").exists()
+
+
+LONG = ("--set", "mesh.edge_length=1", "--set", "time.step=0.25")
+
+
+def interrupted(strip, out, number):
+    """Start a run of several seconds, stop it by a signal after its first steps."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "cardiosurf", "run", str(strip), "-o", str(out), *LONG],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    spool = out / ".partial" / "frames.bin"
+    deadline = time.monotonic() + 60
+    while not (spool.exists() and spool.stat().st_size) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    time.sleep(0.3)
+    process.send_signal(number)
+    _, stderr = process.communicate(timeout=60)
+    return process.returncode, stderr
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_stopped_run_is_marked_and_resumes_to_the_same_result(strip, tmp_path, number):
+    out = tmp_path / "out"
+    code, stderr = interrupted(strip, out, number)
+    assert code == 130, stderr
+    assert "--resume" in stderr
+    assert "Traceback" not in stderr
+    assert [path.name for path in out.iterdir()] == [".partial"]
+
+    unasked = cardiosurf("run", strip, "-o", out, *LONG)
+    assert unasked.returncode == 2
+    assert "unfinished run" in unasked.stderr
+
+    other = cardiosurf("run", strip, "-o", out, "--resume", "--set", "time.step=0.5")
+    assert other.returncode == 2
+    assert "another config" in other.stderr
+    assert (out / ".partial" / "checkpoint.npz").exists()
+
+    assert cardiosurf("run", strip, "-o", out, "--resume", *LONG).returncode == 0
+    assert not (out / ".partial").exists()
+    whole = tmp_path / "whole"
+    assert cardiosurf("run", strip, "-o", whole, *LONG).returncode == 0
+    with h5py.File(out / "recording.h5") as one, h5py.File(whole / "recording.h5") as other_file:
+        for name in ("activation/times", "activation/nodes", "frames/u", "probes/u"):
+            np.testing.assert_array_equal(one[name][()], other_file[name][()])
+
+
+def test_a_killed_run_leaves_no_result_and_can_be_started_again(strip, tmp_path):
+    out = tmp_path / "out"
+    interrupted(strip, out, signal.SIGKILL)
+    assert not (out / "verdict.json").exists()
+    assert not (out / "recording.h5").exists()
+    assert cardiosurf("run", strip, "-o", out).returncode == 0
+
+
+def test_an_unwritable_folder(strip, tmp_path):
+    blocker = tmp_path / "file"
+    blocker.write_text("not a folder")
+    done = cardiosurf("run", strip, "-o", blocker / "out")
+    assert done.returncode == 2
+    assert "cannot be written" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_full_disk_while_the_recording_is_written(strip, tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "replace", full)
+    done = CliRunner().invoke(main, ["run", str(strip), "-o", str(tmp_path / "out")])
+    monkeypatch.undo()
+    assert done.exit_code == 2
+    assert "No space left on device" in done.output
+    left = [path for path in (tmp_path / "out").rglob("*") if path.is_file()]
+    assert not [path for path in left if path.suffix in {".h5", ".json", ".xdmf"}]
