@@ -1,1 +1,21 @@
 """Shapes, surfaces and the regions on them."""
+
+from typing import TypeAlias
+
+from cardiosurf.geometry.build import build_surface, points_inside
+from cardiosurf.geometry.plane import Plane
+from cardiosurf.geometry.sphere import Sphere
+from cardiosurf.geometry.surface import Surface
+from cardiosurf.geometry.t_domain import TDomain
+from cardiosurf.geometry.vein import Vein
+
+AnyShape: TypeAlias = Plane | Vein | TDomain | Sphere
+
+SHAPES: dict[str, type[AnyShape]] = {
+    "plane": Plane,
+    "vein": Vein,
+    "t_domain": TDomain,
+    "sphere": Sphere,
+}
+
+__all__ = ["SHAPES", "AnyShape", "Surface", "build_surface", "points_inside"]

@@ -3,7 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from cardiosurf.arrays import Floats, Ints, Mask
+from cardiosurf.geometry.topology import area_vectors
 
 
 @dataclass(frozen=True)
@@ -45,8 +48,9 @@ class Surface:
 
     def areas(self) -> Floats:
         """Return the area of each triangle, (m,), in su^2."""
-        raise NotImplementedError
+        return np.asarray(np.linalg.norm(area_vectors(self.points, self.triangles), axis=1))
 
     def vertex_areas(self) -> Floats:
         """Return the area that belongs to each vertex (a third of its triangles'), (n,), in su^2."""
-        raise NotImplementedError
+        shares = np.repeat(self.areas() / 3.0, 3)
+        return np.bincount(self.triangles.ravel(), weights=shares, minlength=len(self.points))

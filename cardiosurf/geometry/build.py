@@ -1,0 +1,124 @@
+"""From a shape and its regions to a surface."""
+
+from collections.abc import Mapping
+from typing import Protocol
+
+import numpy as np
+
+from cardiosurf.arrays import Floats, Ints, Mask
+from cardiosurf.errors import InputError
+from cardiosurf.geometry.membership import check_region, contains
+from cardiosurf.geometry.mesher import mesh
+from cardiosurf.geometry.regions import Region
+from cardiosurf.geometry.sheet import Sheet
+from cardiosurf.geometry.skeleton import skeleton
+from cardiosurf.geometry.surface import Surface
+from cardiosurf.geometry.topology import area_vectors, open_edges
+
+_MOST_TRIANGLES = 5e6
+
+
+class Shape(Protocol):
+    """What every shape can do, besides holding its numbers."""
+
+    def check(self) -> None:
+        """Raise InputError if the numbers do not make a surface."""
+        ...
+
+    def sheet(self, edge_length: float) -> Sheet:
+        """Return the exact surface."""
+        ...
+
+
+def build_surface(shape: Shape, edge_length: float, regions: Mapping[str, Region]) -> Surface:
+    """Return the shape's surface, its mesh edges along the edges of all regions.
+
+    Parameters
+    ----------
+    shape : Shape
+        Plane, Vein, TDomain or Sphere.
+    edge_length : float
+        Usual length of the mesh edges, in su.
+    regions : mapping of str to Region
+        Regions by name, patch references already resolved. ``Surface.regions`` has the same names.
+
+    Raises
+    ------
+    InputError
+        If the shape's numbers contradict each other, a region makes no sense on the shape or holds
+        no part of it, or the edge length is not positive or would make too many triangles.
+    """
+    shape.check()
+    if not 0 < edge_length < np.inf:
+        raise InputError("mesh.edge_length", f"{edge_length}", "a positive number")
+    sheet = shape.sheet(edge_length)
+    if sheet.size**2 / edge_length**2 > 0.4 * _MOST_TRIANGLES:
+        raise InputError(
+            "mesh.edge_length",
+            f"{edge_length} would make more than {_MOST_TRIANGLES:.0e} triangles",
+            f"above {sheet.size / np.sqrt(0.4 * _MOST_TRIANGLES):.2g}",
+        )
+    for name, region in regions.items():
+        check_region(region, sheet, f"region {name}")
+    points, triangles = mesh(sheet, skeleton(sheet, regions, edge_length), edge_length)
+    return _labelled(sheet, points, triangles, regions)
+
+
+def points_inside(region: Region, shape: Shape, points: Floats, where: str = "region") -> Mask:
+    """Return which of the points (n, 3) of a shape's surface lie in the region, (n,).
+
+    Raises
+    ------
+    InputError
+        If the region makes no sense on the shape.
+    """
+    sheet = shape.sheet(0.0)
+    check_region(region, sheet, where)
+    return contains(region, sheet, sheet.project(points))
+
+
+def _labelled(
+    sheet: Sheet, points: Floats, triangles: Ints, regions: Mapping[str, Region]
+) -> Surface:
+    centres = sheet.project(points[triangles].mean(axis=1))
+    part = sheet.part_of(centres)
+    masks = {name: contains(one, sheet, centres, part) for name, one in regions.items()}
+    for name, mask in masks.items():
+        if not mask.any():
+            raise _empty(name, points)
+    border = open_edges(triangles)
+    number = sheet.edge_of(points[border].mean(axis=1))
+    names = enumerate(sheet.edge_names)
+    edges = {name: border[number == i] for i, name in names if (number == i).any()}
+    return Surface(
+        points=points,
+        triangles=triangles,
+        parts=sheet.parts,
+        part_of=part,
+        axes=sheet.axes,
+        frame=_tangent(sheet.frame(centres, part), area_vectors(points, triangles)),
+        net=sheet.net(centres, part),
+        edges=edges,
+        regions=masks,
+    )
+
+
+def _tangent(exact: Floats, normal: Floats) -> Floats:
+    """Return the exact frames (m, 2, 3) turned into the triangles' planes, orthonormal."""
+    normal = normal / np.linalg.norm(normal, axis=1)[:, None]
+    first = exact[:, 0] - np.einsum("mk,mk->m", exact[:, 0], normal)[:, None] * normal
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    second = np.cross(normal, first)
+    second *= np.sign(np.einsum("mk,mk->m", second, exact[:, 1]))[:, None]
+    return np.stack([first, second], axis=1)
+
+
+def _empty(name: str, points: Floats) -> InputError:
+    low, high = np.round(points.min(axis=0), 3) + 0.0, np.round(points.max(axis=0), 3) + 0.0
+    box = ", ".join(f"{axis}: [{a:g}, {b:g}]" for axis, a, b in zip("xyz", low, high, strict=True))
+    return InputError(
+        f"region {name}",
+        "it holds no part of the surface (or is thinner than 0.005 edge lengths)",
+        f"the surface lies within {box}",
+        "move or widen the region",
+    )

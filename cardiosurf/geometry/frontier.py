@@ -1,0 +1,142 @@
+"""The mesh's vertices and edges on the skeleton."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from cardiosurf.arrays import Floats, Ints, Mask
+from cardiosurf.geometry.sheet import Sheet
+from cardiosurf.geometry.skeleton import Skeleton
+
+_ROUNDS = 24
+_GROWTH = 0.4
+
+
+@dataclass(frozen=True)
+class Frontier:
+    """The skeleton cut into mesh edges.
+
+    Attributes
+    ----------
+    points : (p, 3) float
+        Vertices on the skeleton: first the corners, then those on the arcs.
+    segments : (s, 2) int
+        Mesh edges on the skeleton, as pairs of vertex numbers.
+    arc_of, slot : (s,) int
+        The arc of each segment, and which of the arc's intervals it is.
+    lengths : (s,) float
+        Length of each segment, in su.
+    corners : int
+        Number of corners.
+    """
+
+    points: Floats
+    segments: Ints
+    arc_of: Ints
+    slot: Ints
+    lengths: Floats
+    corners: int
+
+    @property
+    def middles(self) -> Floats:
+        """Middles of the segments, (s, 3)."""
+        return np.asarray(self.points[self.segments].mean(axis=1))
+
+    def spacing(self) -> Floats:
+        """Return the shortest segment at each vertex, (p,)."""
+        least = np.full(len(self.points), np.inf)
+        np.minimum.at(least, self.segments.ravel(), np.repeat(self.lengths, 2))
+        return least
+
+
+def frontier(bones: Skeleton, stations: Sequence[Floats], sheet: Sheet) -> Frontier:
+    """Return the vertices and edges that the stations make on the arcs."""
+    points, segments, arc_of, slot = [bones.corners], [], [], []
+    start = len(bones.corners)
+    for number, (arc, at) in enumerate(zip(bones.arcs, stations, strict=True)):
+        places = arc.places(at, sheet)
+        inner = places if arc.loop else places[1:-1]
+        names = start + np.arange(len(inner))
+        ends = (names[0], names[0]) if arc.loop else arc.ends
+        along = np.concatenate([names, [ends[1]]] if arc.loop else [[ends[0]], names, [ends[1]]])
+        points.append(inner)
+        segments.append(np.stack([along[:-1], along[1:]], axis=1))
+        arc_of.append(np.full(len(along) - 1, number))
+        slot.append(np.arange(len(along) - 1))
+        start += len(inner)
+    if not segments:
+        none = np.empty(0, dtype=np.int64)
+        return Frontier(bones.corners, none.reshape(0, 2), none, none, np.empty(0), 0)
+    every, pairs = np.concatenate(points), np.concatenate(segments)
+    lengths = np.linalg.norm(every[pairs[:, 1]] - every[pairs[:, 0]], axis=1)
+    return Frontier(
+        every, pairs, np.concatenate(arc_of), np.concatenate(slot), lengths, len(bones.corners)
+    )
+
+
+def halved(
+    bones: Skeleton, stations: Sequence[Floats], front: Frontier, which: Mask
+) -> list[Floats]:
+    """Return the stations with one more in the middle of each of the segments marked."""
+    new = list(stations)
+    for number in np.unique(front.arc_of[which]):
+        arc, at = bones.arcs[number], stations[number]
+        slots = front.slot[which & (front.arc_of == number)]
+        around = np.concatenate([at, [at[0] + arc.length]]) if arc.loop else at
+        middle = 0.5 * (around[slots] + around[slots + 1])
+        new[number] = np.sort(np.concatenate([at, middle]))
+    return new
+
+
+def first_stations(bones: Skeleton, edge_length: float, floor: float, sheet: Sheet) -> list[Floats]:
+    """Return stations about edge_length apart, closer where two arcs run close to each other.
+
+    A segment is halved while a vertex of another one lies in the circle around it, but not below
+    the length ``floor``.
+    """
+    stations = [arc.stations(edge_length, sheet) for arc in bones.arcs]
+    for _ in range(_ROUNDS):
+        front = frontier(bones, stations, sheet)
+        crowded = _crowded(front) & (front.lengths > floor)
+        if not crowded.any():
+            break
+        stations = halved(bones, stations, front, crowded)
+    return stations
+
+
+def sizes(front: Frontier, edge_length: float, points: Floats) -> Floats:
+    """Return the edge length wanted at the points (n, 3): smaller near short segments."""
+    spacing = front.spacing()
+    small = spacing < 0.9 * edge_length
+    wanted = np.full(len(points), edge_length)
+    if not small.any() or not len(points):
+        return wanted
+    tree = cKDTree(front.points[small])
+    away, which = tree.query(points, k=min(8, tree.n), distance_upper_bound=3.0 * edge_length)
+    away, which = away.reshape(len(points), -1), which.reshape(len(points), -1)
+    reached = np.append(spacing[small], np.inf)[which] + _GROWTH * away
+    return np.minimum(wanted, reached.min(axis=1))
+
+
+def _crowded(front: Frontier) -> Mask:
+    """Return the segments whose circle holds a vertex, except of a segment with a common end."""
+    tree = cKDTree(front.points)
+    near = tree.query_ball_point(front.middles, 0.5 * front.lengths * (1.0 - 1e-6))
+    counts = np.fromiter((len(one) for one in near), dtype=np.int64, count=len(near))
+    crowded = np.zeros(len(near), dtype=bool)
+    if not counts.any():
+        return crowded
+    beside: dict[int, set[int]] = {}
+    for one, other in front.segments.tolist():
+        beside.setdefault(one, set()).add(other)
+        beside.setdefault(other, set()).add(one)
+    for number in np.flatnonzero(counts):
+        one, other = front.segments[number].tolist()
+        own = {one, other}
+        for end in own:
+            if end < front.corners:
+                own |= beside[end]
+        crowded[number] = not own.issuperset(near[number])
+    return crowded

@@ -1,0 +1,136 @@
+"""The sphere."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from cardiosurf.arrays import Floats, Ints
+from cardiosurf.errors import InputError
+from cardiosurf.geometry.levels import FlatLevel, Level
+from cardiosurf.sections import Positive, Section
+
+_FEWEST = 4
+
+
+@dataclass(frozen=True)
+class Sphere(Section):
+    """The sphere of the given radius about the origin, in su.
+
+    Its net is (theta, phi): theta the polar angle from +z, phi = atan2(y, x). No open edges.
+    """
+
+    kind: Literal["sphere"] = "sphere"
+    radius: Positive = 50.0
+
+    def check(self) -> None:
+        """Raise InputError if the radius is not positive."""
+        if not self.radius > 0:
+            raise InputError("geometry.radius", f"{self.radius} is not positive", "above 0")
+
+    def sheet(self, edge_length: float) -> "SphereSheet":  # noqa: ARG002
+        """Return the exact surface (the same for every edge length)."""
+        self.check()
+        return SphereSheet(self.radius)
+
+
+@dataclass(frozen=True)
+class SphereSheet:
+    """The exact surface of a sphere about the origin."""
+
+    radius: float
+
+    parts = ("sphere",)
+    axes = (("theta", "phi"),)
+    edge_names = ()
+
+    @property
+    def size(self) -> float:
+        """Square root of the area."""
+        return float(self.radius * np.sqrt(4.0 * np.pi))
+
+    def levels(self) -> tuple[Level, ...]:
+        """Return nothing: one part, no open edges."""
+        return ()
+
+    def flat_level(self, normal: tuple[float, float, float], offset: float) -> Level | None:
+        """Return the plane's level, None if it passes beside the sphere."""
+        return FlatLevel(normal, offset) if abs(offset) < self.radius else None
+
+    def polar_level(self, axis: str, angle: float) -> Level:
+        """Return the plane through the circle theta = angle, or through the meridian phi."""
+        if axis == "theta":
+            return FlatLevel((0.0, 0.0, 1.0), float(self.radius * np.cos(angle)))
+        return FlatLevel((float(-np.sin(angle)), float(np.cos(angle)), 0.0), 0.0)
+
+    def project(self, points: Floats) -> Floats:
+        """Return the points moved along their radii."""
+        return self.radius * self.normal(points)
+
+    def normal(self, points: Floats) -> Floats:
+        """Return the outward unit vectors."""
+        return points / np.maximum(np.linalg.norm(points, axis=1), 1e-300)[:, None]
+
+    def part_of(self, points: Floats) -> Ints:
+        """Return 0 everywhere."""
+        return np.zeros(len(points), dtype=np.int64)
+
+    def net(self, points: Floats, part: Ints) -> Floats:  # noqa: ARG002
+        """Return theta in [0, pi] and phi in (-pi, pi]."""
+        x, y, z = points.T
+        return np.stack([np.arctan2(np.hypot(x, y), z), np.arctan2(y, x)], axis=1)
+
+    def frame(self, points: Floats, part: Ints) -> Floats:
+        """Return the unit vectors along growing theta and phi."""
+        theta, phi = self.net(points, part).T
+        st, ct, sp, cp = np.sin(theta), np.cos(theta), np.sin(phi), np.cos(phi)
+        along_theta = np.stack([ct * cp, ct * sp, -st], axis=1)
+        along_phi = np.stack([-sp, cp, np.zeros_like(sp)], axis=1)
+        return np.stack([along_theta, along_phi], axis=1)
+
+    def edge_of(self, points: Floats) -> Ints:
+        """Return -1: there is no open edge."""
+        return np.full(len(points), -1, dtype=np.int64)
+
+    def seeds(self, spacing: float) -> Floats:
+        """Return the vertices of an icosahedron whose faces are cut into n^2 triangles."""
+        faces = 4.0 * np.pi * self.radius**2 / (np.sqrt(3.0) / 4.0 * spacing**2)
+        pieces = max(_FEWEST, round(float(np.sqrt(faces / 20.0))))
+        corners = _icosahedron()
+        hull = ConvexHull(corners).simplices
+        i, j = np.meshgrid(np.arange(pieces + 1), np.arange(pieces + 1), indexing="ij")
+        keep = i + j <= pieces
+        first, second = i[keep] / pieces, j[keep] / pieces
+        weights = _equalised(np.stack([first, second, 1.0 - first - second], axis=1))
+        points = np.einsum("wk,fkd->fwd", weights, corners[hull]).reshape(-1, 3)
+        points = self.project(points)
+        _, first_seen = np.unique(
+            np.round(points / self.radius, 9) + 0.0, axis=0, return_index=True
+        )
+        return points[np.sort(first_seen)]
+
+    def triangulate(self, points: Floats) -> tuple[Ints, Floats]:
+        """Return the convex hull's triangles (the sphere's Delaunay triangles), outward."""
+        triangles = ConvexHull(points).simplices.astype(np.int64)
+        corners = points[triangles]
+        outward = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        inverted = np.einsum("md,md->m", outward, corners.sum(axis=1)) < 0
+        triangles[inverted] = triangles[inverted][:, [0, 2, 1]]
+        return triangles, self.project(corners.mean(axis=1))
+
+
+def _icosahedron() -> Floats:
+    golden = 0.5 * (1.0 + np.sqrt(5.0))
+    base = np.array([[0.0, s, t * golden] for s in (-1.0, 1.0) for t in (-1.0, 1.0)])
+    corners = np.concatenate([np.roll(base, turn, axis=1) for turn in range(3)])
+    return corners / np.linalg.norm(corners[0])
+
+
+def _equalised(weights: Floats) -> Floats:
+    # equal steps on the flat face give small triangles at its corners once they are on the sphere;
+    # equal angles seen from the centre even this out (0.5536 is half the angle of an edge)
+    half = 0.5 * np.arctan(2.0)
+    bent = np.tan(half * (2.0 * weights - 1.0)) + np.tan(half)
+    bent[weights < 1e-12] = 0.0
+    return bent / bent.sum(axis=1, keepdims=True)
