@@ -73,9 +73,9 @@ class Document:
             where = f"{self.file}: {error.where}" if error.where else self.file
             return InputError(where, error.problem, error.allowed, error.hint)
         where = self.where(path)
-        if not where.endswith(error.where) and not where.startswith("--set "):
-            place = where.removesuffix(self.spelled(path))
-            where = f"{place}{error.where}"
+        beyond = error.where.split(".")[len(path) :]
+        if beyond and not where.startswith("--set "):
+            where = ".".join([where, *beyond])
         return InputError(where, error.problem, error.allowed, error.hint)
 
 

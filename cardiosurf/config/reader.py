@@ -51,7 +51,8 @@ def parse_document(text: str, file: str) -> Document:
         kind = "a list" if isinstance(node, yaml.SequenceNode) else f"the text {node.value!r:.60}"
         raise InputError(_line(file, node), f"the file holds {kind}, not a mapping", _TOP_LEVEL)
     builder = _Builder(file)
-    return Document(file, builder.mapping(node, ()), builder.lines, {})
+    data: dict[str, Any] = builder.value(node, ())
+    return Document(file, data, builder.lines, {})
 
 
 def parse_value(text: str, option: str) -> Any:

@@ -10,6 +10,7 @@ from cardiosurf.config.keys import choice_of, fields_of, items_of, section_of
 from cardiosurf.config.sections import Config
 
 SCHEMA_ID = "cardiosurf/config/1"
+_HEADING = re.compile(r"\n(?:Attributes|Parameters)\n-+\n")
 _FIELD = re.compile(r"^(\w[\w, ]*) : .*$")
 
 
@@ -36,7 +37,7 @@ def _document(definition: dict[str, Any], section: type | None) -> None:
     if section is None:
         return
     text = inspect.getdoc(section) or ""
-    definition["description"] = text.split("\n\n")[0].replace("\n", " ")
+    definition["description"] = " ".join(_HEADING.split(text)[0].split())
     for key, words in _described_fields(text).items():
         if key in definition.get("properties", {}):
             definition["properties"][key].setdefault("description", words)

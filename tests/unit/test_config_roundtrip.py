@@ -1,0 +1,108 @@
+"""A config, written as YAML and read again, is the same config."""
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from cardiosurf.config import Config, dump_config, load_text
+from cardiosurf.geometry.plane import Plane
+from cardiosurf.geometry.regions import (
+    All,
+    AnyOf,
+    Ball,
+    BallLimits,
+    Box,
+    BoxLimits,
+    HalfSpace,
+    HalfSpaceLimits,
+    Not,
+    Part,
+    Polar,
+    PolarLimits,
+)
+from cardiosurf.geometry.sphere import Sphere
+from cardiosurf.kinetics.fitzhugh_nagumo import FitzHughNagumo
+from cardiosurf.kinetics.rogers_mcculloch import RogersMcCulloch
+from cardiosurf.recording.sections import ProbeSection, RecordSection
+from cardiosurf.stepping.controls import TimeSection
+from cardiosurf.tissue.patches import Patch, TissueSection
+from cardiosurf.tissue.stimuli import S1S2, EdgeStimulus, PointStimulus, RegionStimulus, Train
+
+number = st.floats(-1e6, 1e6, allow_nan=False)
+positive = st.floats(1e-3, 1e6)
+vector = st.tuples(number, number, number)
+ranges = st.tuples(number, number).filter(lambda r: r[0] != r[1]).map(lambda r: (min(r), max(r)))
+# words that YAML could take for something else are the interesting names
+names = st.sampled_from(["no", "null", "true", "1e3", "0x1F", "on", "a b", "x", "y", "_", "pi"])
+
+
+def regions(part: str, *, angles: bool) -> st.SearchStrategy:
+    some = st.none() | ranges
+    leaves = [
+        st.builds(BoxLimits, some, some, some).map(Box),
+        st.builds(BallLimits, vector, positive).map(Ball),
+        st.builds(HalfSpaceLimits, vector.filter(any), number).map(HalfSpace),
+        st.just(Part(part)),
+    ]
+    if angles:
+        leaves.append(st.builds(PolarLimits, some, some).map(Polar))
+    return st.recursive(
+        st.one_of(leaves),
+        lambda inner: st.one_of(
+            st.lists(inner, min_size=1, max_size=3).map(lambda r: All(tuple(r))),
+            st.lists(inner, min_size=1, max_size=3).map(lambda r: AnyOf(tuple(r))),
+            inner.map(Not),
+        ),
+        max_leaves=4,
+    )
+
+
+@st.composite
+def configs(draw: st.DrawFn) -> Config:
+    plane = draw(st.booleans())
+    axes = ("x", "y") if plane else ("theta", "phi")
+    region = regions("plane" if plane else "sphere", angles=not plane)
+    factors = st.none() | positive | st.dictionaries(st.sampled_from(axes), positive, min_size=1)
+    patch_names = draw(st.lists(names, unique=True, max_size=2))
+    patches = [
+        Patch(
+            name,
+            draw(region),
+            **{draw(st.sampled_from(["anisotropy", "frame_scaling"])): draw(factors)},
+            diffusivity=draw(st.none() | positive),
+            excitable=draw(st.booleans()),
+        )
+        for name in patch_names
+    ]
+    beats = [
+        {},
+        {"train": Train(3, draw(positive))},
+        {"s1s2": S1S2(2, draw(positive), draw(positive))},
+    ]
+    timing = draw(st.sampled_from(beats))
+    stimuli = [PointStimulus(centre=draw(vector), **timing), RegionStimulus(region=draw(region))]
+    if plane:
+        stimuli.append(EdgeStimulus(edge="left", position=draw(positive)))
+    return Config(
+        name=draw(st.sampled_from(["a", "no", "1e3", "plane-0.5"])),
+        geometry=Plane(x=draw(ranges)) if plane else Sphere(radius=draw(positive)),
+        kinetics=draw(
+            st.builds(RogersMcCulloch, a=positive) | st.builds(FitzHughNagumo, c2=positive)
+        ),
+        tissue=TissueSection(draw(positive), tuple(patches)),
+        stimulus=tuple(draw(st.permutations(stimuli))),
+        time=TimeSection(end=1e8, step=draw(st.just("auto") | positive)),
+        record=RecordSection(
+            frames_every=draw(st.none() | positive),
+            probes=tuple(ProbeSection(name, draw(vector)) for name in patch_names),
+        ),
+    )
+
+
+# building the nested strategies is slow on a shared machine, the property itself is not
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(configs())
+def test_a_config_survives_being_written_and_read(config):
+    text = dump_config(config)
+    loaded = load_text(text)
+    assert loaded.config == config
+    assert loaded.text == text
