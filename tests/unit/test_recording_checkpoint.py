@@ -54,7 +54,7 @@ class Interrupter:
 
 
 def controls(end=320.0):
-    return decide(TimeSection(end=end, step=2.0), KINETICS, len(SURFACE.points))
+    return decide(TimeSection(end=end, step=2.0), KINETICS, problem().operators)
 
 
 @pytest.fixture(scope="module")
