@@ -68,12 +68,14 @@ class Document:
 
     def placed(self, error: InputError) -> InputError:
         """Return the error with file and line (or option) before the key path it names."""
-        path = self.find(error.where)
+        # the mesher speaks of "region tissue.patches.block"
+        named = error.where.removeprefix("region ")
+        path = self.find(named)
         if not path:
             where = f"{self.file}: {error.where}" if error.where else self.file
             return InputError(where, error.problem, error.allowed, error.hint)
         where = self.where(path)
-        beyond = error.where.split(".")[len(path) :]
+        beyond = named.split(".")[len(path) :]
         if beyond and not where.startswith("--set "):
             where = ".".join([where, *beyond])
         return InputError(where, error.problem, error.allowed, error.hint)

@@ -24,9 +24,18 @@ def _increasing(limits: tuple[float, float]) -> tuple[float, float]:
     return limits
 
 
+def _nonzero(normal: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Refuse a normal without a direction."""
+    if not any(normal):
+        msg = "has no direction"
+        raise ValueError(msg)
+    return normal
+
+
 Range: TypeAlias = Annotated[tuple[float, float], AfterValidator(_increasing)]
 AngleRange: TypeAlias = Annotated[tuple[Angle, Angle], AfterValidator(_increasing)]
 Vector: TypeAlias = tuple[float, float, float]
+Direction: TypeAlias = Annotated[Vector, AfterValidator(_nonzero)]
 
 
 @dataclass(frozen=True)
@@ -50,7 +59,7 @@ class BallLimits(Section):
 class HalfSpaceLimits(Section):
     """The side that ``normal`` points to: normal . x >= offset (normal is made a unit vector)."""
 
-    normal: Vector
+    normal: Direction
     offset: float = 0.0
 
 

@@ -43,7 +43,7 @@ def test_it_accepts_the_shipped_configs_and_their_resolved_form(file):
     ("old", "new"),
     [
         ("kind: plane", "kind: plan"),
-        ("kind: plane", "kind: sphere"),
+        ("kind: plane", "kind: sphere, x: [0, 1]"),
         ("mesh:", "meshes:"),
         ("edge_length: 2.5", "edge_length: -2.5"),
         ("edge_length: 2.5", "edge_lenght: 2.5"),

@@ -1,0 +1,220 @@
+"""Commands that look at a config without running it: validate, mesh, schema."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from cardiosurf.cli.errors import say
+from cardiosurf.errors import InputError
+
+if TYPE_CHECKING:
+    from cardiosurf.config import Loaded
+    from cardiosurf.geometry.surface import Surface
+
+OVERRIDE_HELP = "Change one key: a.b.c=value; list items by number or by their name."
+
+
+@click.command()
+@click.argument("configs", metavar="CONFIG...", nargs=-1, required=True)
+@click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True, help=OVERRIDE_HELP)
+@click.option(
+    "--mesh",
+    "with_mesh",
+    is_flag=True,
+    help="Also build mesh, tissue and stimuli; finds empty regions and stimuli off the surface.",
+)
+def validate(configs: tuple[str, ...], overrides: tuple[str, ...], *, with_mesh: bool) -> None:
+    r"""Check configs and say everything that is wrong with them.
+
+    All files are checked before the command ends, with exit code 2 if any of them is wrong.
+
+    \b
+    Examples:
+      cardiosurf validate configs/*.yaml
+      cardiosurf validate --mesh my.yaml --set mesh.edge_length=4
+    """
+    from cardiosurf.config import load
+
+    wrong = 0
+    for file in configs:
+        try:
+            loaded = load(file, overrides)
+            built = f", {_built(loaded)}" if with_mesh else ""
+            click.echo(f"ok  {file}  {_contents(loaded)}{built}")
+        except InputError as error:
+            wrong += 1
+            say(f"error: {error}")
+    if wrong and len(configs) > 1:
+        say(f"{wrong} of {len(configs)} files are wrong")
+    if wrong:
+        raise click.exceptions.Exit(InputError.exit_code)
+
+
+@click.command()
+@click.argument("config")
+@click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True, help=OVERRIDE_HELP)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    help="Mesh file; its suffix chooses the format (.vtu, .vtk, .msh, .ply, .stl, .xdmf ...).",
+)
+@click.option("--overwrite", is_flag=True, help="Replace the mesh file if it is there.")
+def mesh(config: str, overrides: tuple[str, ...], output: Path | None, *, overwrite: bool) -> None:
+    r"""Build the surface of a config, report its quality and write it as a mesh file.
+
+    The file carries, for each triangle, its part of the surface, the regions it belongs to and
+    the net frame, so that ParaView can show them.
+
+    \b
+    Examples:
+      cardiosurf mesh configs/t_domain.yaml
+      cardiosurf mesh configs/t_domain.yaml --set mesh.edge_length=5 -o t_domain.vtu
+    """
+    from cardiosurf.config import load
+
+    loaded = load(config, overrides)
+    if output is not None:
+        _check_output(output, overwrite=overwrite)
+    surface = _surface(loaded)
+    click.echo("\n".join(_report(loaded, surface)))
+    if output is not None:
+        _write_whole(surface, output)
+        click.echo(f"written to {output}")
+
+
+@click.command()
+@click.argument("what", type=click.Choice(["config", "verdict"]), default="config")
+def schema(what: str) -> None:
+    r"""Print the JSON Schema of a config (default) or of a verdict.
+
+    An editor with a YAML language server then completes and checks keys while you type:
+
+    \b
+      cardiosurf schema > cardiosurf.schema.json
+      # and as first line of a config:
+      # yaml-language-server: $schema=cardiosurf.schema.json
+    """
+    if what == "config":
+        from cardiosurf.config import config_schema
+
+        published = config_schema()
+    else:
+        from cardiosurf.analysis.verdict import verdict_schema
+
+        published = verdict_schema()
+    click.echo(json.dumps(published, indent=2))
+
+
+def _contents(loaded: Loaded) -> str:
+    """Return one line about what a config holds."""
+    config = loaded.config
+    counts = (
+        (len(config.tissue.patches), "patch", "patches"),
+        (len(config.stimulus), "stimulus", "stimuli"),
+        (len(config.targets), "target", "targets"),
+    )
+    listed = ", ".join(f"{count} {one if count == 1 else many}" for count, one, many in counts)
+    return f"{config.name}: {config.geometry.kind}, edges {config.mesh.edge_length:g} su, {listed}"
+
+
+def _surface(loaded: Loaded) -> Surface:
+    """Build the surface of a config; its errors name file and line."""
+    from cardiosurf.config import regions_of
+    from cardiosurf.geometry import build_surface
+
+    config = loaded.config
+    with loaded.naming_lines():
+        return build_surface(config.geometry, config.mesh.edge_length, regions_of(config))
+
+
+def _built(loaded: Loaded) -> str:
+    """Build all that a run would march over, and return its size."""
+    from cardiosurf.recording.probe_sites import place_probes
+    from cardiosurf.tissue.stimuli import build_pulses
+    from cardiosurf.tissue.tensor import build_tissue
+
+    config = loaded.config
+    surface = _surface(loaded)
+    with loaded.naming_lines():
+        build_tissue(surface, config.tissue)
+        build_pulses(surface, config.stimulus)
+        place_probes(surface, config.record.probes)
+    return f"{len(surface.points)} vertices, {len(surface.triangles)} triangles"
+
+
+def _report(loaded: Loaded, surface: Surface) -> list[str]:
+    """Return the quality of a mesh, and the area of each part and region, as lines of text."""
+    from cardiosurf.geometry.quality import quality
+
+    q = quality(surface)
+    wanted = loaded.config.mesh.edge_length
+    rows = [
+        ("vertices, triangles, edges", f"{q.vertices}, {q.triangles}, {q.edges}", ""),
+        ("smallest, largest angle", f"{q.smallest_angle:.1f}, {q.largest_angle:.1f} degrees", ""),
+        (
+            "shortest, mean, longest edge",
+            f"{q.shortest_edge:.3g}, {q.mean_edge:.3g}, {q.longest_edge:.3g} su",
+            f"asked for {wanted:g}",
+        ),
+        ("components", str(q.components), "1 is right"),
+        ("duplicate vertices", str(q.duplicates), "0 is right"),
+        ("orphan vertices", str(q.orphans), "0 is right"),
+        ("crossed edges", str(q.crossed), "0 is right"),
+        ("Euler characteristic", str(q.euler), "2 sphere, 1 disc, 0 ring"),
+        ("loops of open edges", str(q.loops), ", ".join(surface.edges)),
+        ("area", f"{q.area:.6g} su^2", ""),
+    ]
+    areas = surface.areas()
+    masks = {f"part {name}": surface.part_of == i for i, name in enumerate(surface.parts)}
+    rows += [
+        (name, f"{areas[mask].sum():.6g} su^2", f"{mask.sum()} triangles")
+        for name, mask in (masks | dict(surface.regions)).items()
+    ]
+    width = max(len(label) for label, _, _ in rows)
+    title = f"{loaded.config.name}: {loaded.config.geometry.kind}"
+    return [title, *(f"  {row[0]:<{width}}  {row[1]:<24}  {row[2]}".rstrip() for row in rows)]
+
+
+def _check_output(output: Path, *, overwrite: bool) -> None:
+    """Refuse an output file that cannot be written, before any work is done."""
+    import meshio
+
+    endings = sorted(meshio.extension_to_filetypes)
+    if output.suffix.lower() not in endings:
+        given = f"the ending {output.suffix!r}" if output.suffix else "a name without an ending"
+        raise InputError(
+            f"-o {output}",
+            f"{given} names no mesh format",
+            " ".join(endings),
+            f"-o {output.stem}.vtu",
+        )
+    if output.is_dir():
+        raise InputError(f"-o {output}", "is a folder", "a file", f"-o {output}/surface.vtu")
+    if not output.parent.is_dir():
+        raise InputError(
+            f"-o {output}", f"there is no folder {output.parent}", "an existing folder"
+        )
+    if output.exists() and not overwrite:
+        raise InputError(f"-o {output}", "the file is there already", "a new file, or --overwrite")
+
+
+def _write_whole(surface: Surface, output: Path) -> None:
+    """Write a mesh file, and what goes with it, beside its place and move it there when whole."""
+    from tempfile import TemporaryDirectory
+
+    from cardiosurf.geometry.export import write_mesh
+    from cardiosurf.recording.whole_file import unwritable
+
+    try:
+        # some formats write a second file (.xdmf and .h5) that the first names
+        with TemporaryDirectory(dir=output.parent, prefix=f".{output.name}.") as folder:
+            write_mesh(surface, Path(folder) / output.name)
+            for written in sorted(Path(folder).iterdir()):
+                written.replace(output.parent / written.name)
+    except OSError as error:
+        raise unwritable(output, error) from error

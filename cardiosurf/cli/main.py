@@ -1,0 +1,86 @@
+"""The command ``cardiosurf``."""
+
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+import click
+
+from cardiosurf import __version__
+from cardiosurf.cli.errors import end
+
+# command -> module and attribute; the modules import what they need inside the commands, so that
+# --help stays quick
+_COMMANDS = {
+    "run": "cardiosurf.cli.run:run",
+    "validate": "cardiosurf.cli.inspect:validate",
+    "mesh": "cardiosurf.cli.inspect:mesh",
+    "schema": "cardiosurf.cli.inspect:schema",
+    "analyze": "cardiosurf.cli.run:analyze",
+    "plot": "cardiosurf.cli.view:plot",
+}
+
+_EPILOG = r"""
+\b
+Examples:
+  cardiosurf run configs/t_domain.yaml
+  cardiosurf run configs/plane_block.yaml --set tissue.patches.block.anisotropy.x=4
+  cardiosurf validate configs/*.yaml
+  cardiosurf plot runs/t-domain-head-on
+
+\b
+Exit codes: 0 done, 1 verdicts differ from what was expected, 2 bad input,
+3 numerical failure, 130 interrupted (a run can be resumed).
+"""
+
+
+class LazyGroup(click.Group):
+    """A group that imports a command's module when the command is asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the commands in the order of a user's work."""
+        return list(_COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import and return a command, None if there is none of that name."""
+        if cmd_name not in _COMMANDS:
+            return None
+        module, attribute = _COMMANDS[cmd_name].split(":")
+        command = getattr(import_module(module), attribute)
+        if not isinstance(command, click.Command):
+            msg = f"{module}:{attribute} is not a command"
+            raise TypeError(msg)
+        return command
+
+
+@click.group(
+    cls=LazyGroup, epilog=_EPILOG, context_settings={"help_option_names": ["-h", "--help"]}
+)
+@click.version_option(__version__, prog_name="cardiosurf")
+def cli() -> None:
+    """Excitation waves on curved, anisotropic cardiac tissue.
+
+    From a YAML config to a checkable verdict: does the wave get through, or is it blocked?
+    """
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        The command line after the program's name; that of the process by default.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        with cli.make_context("cardiosurf", words) as context:
+            cli.invoke(context)
+        sys.stdout.flush()
+    except BaseException as error:
+        return end(error)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
