@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import wrap
 
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -22,7 +23,8 @@ def new_figure(width: float, height: float, title: str, caption: str | None) -> 
     """Return an empty figure, in inches, with the run's name and the verdict on top."""
     figure = Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(h_pad=0.08))
     FigureCanvasAgg(figure)
-    figure.suptitle(title if caption is None else f"{title}\n{caption}", fontsize=11)
+    lines = [title, *([] if caption is None else wrap(caption, width=int(13 * width)))]
+    figure.suptitle("\n".join(lines), fontsize=11)
     return figure
 
 

@@ -18,6 +18,9 @@ from cardiosurf.report.canvas import FORMATS, INK, new_figure, save
 from cardiosurf.report.solid import draw_solid, triangle_colours, viewpoints
 from cardiosurf.report.views import View, flat_views, has_vein, unrolled_vein
 
+AGAIN = 0.01
+"""Share of the nodes that must be activated twice for a map of the counts to say anything."""
+
 
 def activation_map(recording: Recording, *, caption: str | None = None) -> Figure:
     """Return the map of first activation with isochrones, flat and in space.
@@ -87,7 +90,7 @@ def activation_count(recording: Recording, *, caption: str | None = None) -> Fig
     (view,) = flat_views(recording.surface)
     axes = figure.add_subplot()
     grey = layers.draw_counts(axes, view, np.where(count > 0, count, np.nan), norm)
-    legend = _furnish(axes, view, recording)
+    legend = _furnish(axes, view, recording, {})
     _finish(figure, norm, "number of activations", legend + _never(drawn=grey))
     return figure
 
@@ -149,8 +152,8 @@ def plot_all(
     Returns
     -------
     tuple of Path
-        activation_map, vein_unrolled (with a vein), activation_count (where something was
-        activated twice), probe_traces (with probes), each in every format.
+        activation_map, vein_unrolled (with a vein), activation_count (where 1 % of the nodes or
+        more were activated twice), probe_traces (with probes), each in every format.
 
     Raises
     ------
@@ -166,7 +169,8 @@ def plot_all(
     makers = [activation_map]
     if has_vein(recording.surface):
         makers.append(vein_unrolled)
-    if recording.activation_count.max() > 1:
+    # the tissue under a stimulus may be activated twice: by it, and by the wave it starts
+    if np.mean(recording.activation_count > 1) > AGAIN:
         makers.append(activation_count)
     if recording.probes.names:
         makers.append(probe_traces)
@@ -189,14 +193,15 @@ def _lat_norm(recording: Recording) -> Normalize:
 def _draw_map(axes: Axes, view: View, recording: Recording, norm: Normalize) -> list[Artist]:
     """Draw first activation on a view; return what belongs into the legend."""
     grey = layers.draw_field(axes, view, recording.first_activation, norm)
-    layers.draw_isochrones(axes, view, recording.first_activation)
-    return _furnish(axes, view, recording) + _never(drawn=grey)
+    spots: layers.Spots = {}
+    legend = _furnish(axes, view, recording, spots)
+    layers.draw_isochrones(axes, view, recording.first_activation, spots)
+    return legend + _never(drawn=grey)
 
 
-def _furnish(axes: Axes, view: View, recording: Recording) -> list[Artist]:
+def _furnish(axes: Axes, view: View, recording: Recording, spots: layers.Spots) -> list[Artist]:
     """Draw border, patches, targets, stimuli and axes; return what belongs into the legend."""
     layers.draw_border(axes, view)
-    spots: list[Floats] = []
     legend = layers.draw_patches(axes, view, recording, spots)
     legend += layers.draw_targets(axes, view, recording, spots)
     legend += layers.draw_stimuli(axes, view, layers.stimulus_profiles(recording))
@@ -225,6 +230,6 @@ def _finish(figure: Figure, norm: Normalize, label: str, legend: list[Artist]) -
     )
     bar.set_label(label)
     if isinstance(norm, BoundaryNorm):
-        bar.set_ticks(norm.boundaries[:-1] + 0.5)
+        bar.set_ticks((norm.boundaries[:-1] + 0.5).tolist())
     if legend:
         figure.legend(handles=legend, loc="outside lower center", ncols=4, fontsize=8)

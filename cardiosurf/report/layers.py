@@ -1,6 +1,7 @@
 """What is drawn on a map: colours, isochrones, patches, targets, stimulus sites."""
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -23,8 +24,13 @@ from cardiosurf.report.views import View, outlines, seen
 COLOURS = "viridis"
 SPACINGS = (1.0, 2.5, 5.0, 10.0, 25.0, 50.0, 100.0, 250.0, 500.0, 1000.0, 2500.0)
 MOST_ISOCHRONES = 14
-NAME_SHAPE = np.array([0.5, 0.2])
+NAME_SHAPE = np.array([1.5, 0.5])
 """A name is wider than it is high: names above each other may be closer."""
+NAME_ROOM = np.array([0.07, 0.035])
+"""Half the room that a name takes, in parts of a view's width and height."""
+
+Spots: TypeAlias = dict[str, Floats]
+"""Where the names of regions stand on a view."""
 
 
 def isochrone_levels(lat: Floats) -> Floats:
@@ -85,8 +91,8 @@ def draw_counts(axes: Axes, view: View, counts: Floats, norm: Normalize) -> bool
     return not bool(whole.all())
 
 
-def draw_isochrones(axes: Axes, view: View, lat: Floats) -> None:
-    """Draw labelled isochrones of a LAT map (n,), in tu, where it is finite."""
+def draw_isochrones(axes: Axes, view: View, lat: Floats, spots: Spots) -> None:
+    """Draw isochrones of a LAT map (n,), in tu, labelled where nothing else is written."""
     known = np.isfinite(lat[view.vertex_of])
     whole = known[view.triangles].all(axis=1)
     levels = isochrone_levels(lat[view.vertex_of])
@@ -98,7 +104,10 @@ def draw_isochrones(axes: Axes, view: View, lat: Floats) -> None:
     middle, half = view.limits.mean(axis=1), np.ptp(view.limits, axis=1) / 2
     for text in axes.clabel(lines, fmt="%g", fontsize=6.5, inline=False):
         text.set_path_effects([withStroke(linewidth=2.0, foreground="white", alpha=0.85)])
-        if (np.abs(text.get_position() - middle) > 0.95 * half).any():
+        place = np.asarray(text.get_position())
+        outside = bool((np.abs(place - middle) > 0.95 * half).any())
+        taken = any((np.abs(place - spot) < 2 * half * NAME_ROOM).all() for spot in spots.values())
+        if outside or taken:
             text.remove()
 
 
@@ -119,7 +128,7 @@ def draw_border(axes: Axes, view: View) -> None:
         axes.add_patch(PathPatch(outline, facecolor="none", edgecolor=INK, linewidth=0.8))
 
 
-def draw_patches(axes: Axes, view: View, recording: Recording, spots: list[Floats]) -> list[Artist]:
+def draw_patches(axes: Axes, view: View, recording: Recording, spots: Spots) -> list[Artist]:
     """Hatch and name the patches; return what the legend says about them.
 
     ``spots`` are the places of the names so far; the new ones are added.
@@ -137,7 +146,7 @@ def draw_patches(axes: Axes, view: View, recording: Recording, spots: list[Float
                 outline, hatch=hatch, facecolor="none", edgecolor=INK, linewidth=1.0, alpha=0.55
             )
         )
-        spots.append(_name(axes, view, mask, name, spots))
+        _name(axes, view, mask, name, spots)
         kind = "patch" if excitable else "scar"
         entries.append(
             Swatch(hatch=hatch, facecolor="none", edgecolor=INK, label=f"{name} ({kind})")
@@ -145,7 +154,7 @@ def draw_patches(axes: Axes, view: View, recording: Recording, spots: list[Float
     return entries
 
 
-def draw_targets(axes: Axes, view: View, recording: Recording, spots: list[Floats]) -> list[Artist]:
+def draw_targets(axes: Axes, view: View, recording: Recording, spots: Spots) -> list[Artist]:
     """Outline and name the targets; return what the legend says about them.
 
     ``spots`` are the places of the names so far; the new ones are added.
@@ -162,7 +171,7 @@ def draw_targets(axes: Axes, view: View, recording: Recording, spots: list[Float
                     outline, facecolor="none", edgecolor=colour, linewidth=width, linestyle=dashes
                 )
             )
-        spots.append(_name(axes, view, mask, name, spots))
+        _name(axes, view, mask, name, spots)
     line = Line2D([], [], color=INK, linewidth=1.2, linestyle=(0, (4, 3)), label="target")
     return [line] if drawn else []
 
@@ -212,14 +221,16 @@ def _triangulation(view: View, *, hidden: Mask | None = None) -> Triangulation:
     return Triangulation(view.points[:, 0], view.points[:, 1], view.triangles, hidden)
 
 
-def _name(axes: Axes, view: View, mask: Mask, name: str, spots: Sequence[Floats]) -> Floats:
-    """Write a region's name where it has most room, away from the names so far."""
-    spot = roomiest_spot(view, mask, spots)
+def _name(axes: Axes, view: View, mask: Mask, name: str, spots: Spots) -> None:
+    """Write a region's name where it has most room, unless it stands there already."""
+    if name in spots:
+        return
+    spot = roomiest_spot(view, mask, list(spots.values()))
+    spots[name] = spot
     text = axes.text(
         float(spot[0]), float(spot[1]), name, fontsize=8, weight="bold", ha="center", va="center"
     )
     text.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
-    return spot
 
 
 def roomiest_spot(view: View, mask: Mask, taken: Sequence[Floats]) -> Floats:
@@ -231,7 +242,7 @@ def roomiest_spot(view: View, mask: Mask, taken: Sequence[Floats]) -> Floats:
     middles = view.points[inside].mean(axis=1)
     edge = view.points[np.concatenate(outlines(inside))]
     scale = np.ptp(view.limits, axis=1)
-    room = [cKDTree(edge / scale).query(middles / scale)[0]]
+    room = [np.asarray(cKDTree(edge / scale).query(middles / scale)[0])]
     room += [np.linalg.norm((middles - spot) / (scale * NAME_SHAPE), axis=1) for spot in taken]
     visible = (np.abs(middles - view.limits.mean(axis=1)) < scale / 2).all(axis=1)
     return np.asarray(middles[np.argmax(np.where(visible, np.min(room, axis=0), -1.0))])
