@@ -154,4 +154,9 @@ def _advance(stepper: Stepper, past: Past, place: _Place, source: Floats | None)
             f"the potential blew up to {max(-lowest, highest):.3g} {where}",
             f"a time.step below {segment.step:g}, or time.step: auto",
         )
+    if not np.isfinite(new.state[1].sum()):
+        raise NumericalError(
+            f"the recovery is not finite {where}",
+            f"a time.step below {segment.step:g}, or time.step: auto",
+        )
     return new
