@@ -28,7 +28,7 @@ OVERRIDE_HELP = "Change one key: a.b.c=value; list items by number or by their n
     help="Also build mesh, tissue and stimuli; finds empty regions and stimuli off the surface.",
 )
 def validate(configs: tuple[str, ...], overrides: tuple[str, ...], *, with_mesh: bool) -> None:
-    r"""Check configs and say everything that is wrong with them.
+    r"""Check configs and say all that is wrong with them.
 
     All files are checked before the command ends, with exit code 2 if any of them is wrong.
 
@@ -65,7 +65,7 @@ def validate(configs: tuple[str, ...], overrides: tuple[str, ...], *, with_mesh:
 )
 @click.option("--overwrite", is_flag=True, help="Replace the mesh file if it is there.")
 def mesh(config: str, overrides: tuple[str, ...], output: Path | None, *, overwrite: bool) -> None:
-    r"""Build the surface of a config, report its quality and write it as a mesh file.
+    r"""Build the mesh of a config, report its quality, write it.
 
     The file carries, for each triangle, its part of the surface, the regions it belongs to and
     the net frame, so that ParaView can show them.

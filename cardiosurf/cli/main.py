@@ -8,6 +8,7 @@ import click
 
 from cardiosurf import __version__
 from cardiosurf.cli.errors import end
+from cardiosurf.spelling import did_you_mean
 
 # command -> module and attribute; the modules import what they need inside the commands, so that
 # --help stays quick
@@ -20,7 +21,7 @@ _COMMANDS = {
     "plot": "cardiosurf.cli.view:plot",
 }
 
-_EPILOG = r"""
+_EPILOG = """
 \b
 Examples:
   cardiosurf run configs/t_domain.yaml
@@ -50,7 +51,21 @@ class LazyGroup(click.Group):
         if not isinstance(command, click.Command):
             msg = f"{module}:{attribute} is not a command"
             raise TypeError(msg)
+        # docstrings with a backslash are raw; click's mark for "do not wrap" is the character
+        command.help = (command.help or "").replace("\\b\n", "\b\n")
         return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command that the arguments begin with; suggest the nearest if there is none."""
+        try:
+            return super().resolve_command(ctx, args)
+        except click.UsageError as error:
+            guess = did_you_mean(args[0], _COMMANDS)
+            if not guess:
+                raise
+            raise click.UsageError(f"{error.message} {guess.capitalize()}", ctx) from None
 
 
 @click.group(

@@ -11,6 +11,7 @@ from cardiosurf.config.checks import check, resolved
 from cardiosurf.config.decode import ConfigError, decode
 from cardiosurf.config.document import Document
 from cardiosurf.config.dump import dump_config
+from cardiosurf.config.keys import fields_of
 from cardiosurf.config.overrides import override
 from cardiosurf.config.reader import parse_document, read_document
 from cardiosurf.config.sections import Config
@@ -40,12 +41,16 @@ class Loaded:
 
     @contextmanager
     def naming_lines(self) -> Iterator[None]:
-        """Put file and line before the key path of any InputError raised inside."""
+        """Put file and line before the key path of any InputError raised inside.
+
+        Errors that name no key of a config (a folder, say) pass as they are.
+        """
         try:
             yield
-        except ConfigError:
-            raise
         except InputError as error:
+            first = error.where.removeprefix("region ").split(".")[0]
+            if isinstance(error, ConfigError) or first not in fields_of(Config):
+                raise
             raise self.document.placed(error) from None
 
 

@@ -113,8 +113,10 @@ def _missing(path: Path, file: str) -> InputError:
     close = nearest(path.name, names) or nearest(f"{path.name}.yaml", names)
     if close:
         return InputError(file, f"no such file, did you mean {str(folder / close)!r}?")
-    here = f"{folder} has {', '.join(names[:8])}" if names else f"{folder} has no YAML file"
-    return InputError(file, "no such file", "", here)
+    place = "this folder" if str(folder) == "." else str(folder)
+    if not names:
+        return InputError(file, f"no such file; {place} has no YAML file")
+    return InputError(file, "no such file", f"a file of {place}: {', '.join(names[:8])}")
 
 
 def _not_yaml(error: yaml.MarkedYAMLError, file: str) -> InputError:

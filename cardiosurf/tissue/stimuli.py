@@ -255,7 +255,8 @@ def _profile(surface: Surface, stimulus: Stimulus, key: str) -> Floats:
 def _point_profile(surface: Surface, stimulus: PointStimulus, key: str) -> Floats:
     near = nearest_point(surface, np.asarray(stimulus.centre))
     if near.distance > stimulus.radius:
-        closest = ", ".join(f"{coordinate:.4g}" for coordinate in near.point)
+        # rounded, and plus 0 to turn -0 into 0
+        closest = ", ".join(f"{coordinate:g}" for coordinate in near.point.round(3) + 0.0)
         raise InputError(
             f"{key}.centre",
             f"{list(stimulus.centre)} is {near.distance:.4g} su away from the surface",

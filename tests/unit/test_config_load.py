@@ -236,7 +236,8 @@ def test_errors_of_later_steps_are_given_file_and_line(tmp_path):
         "stimulus.0.centre": f"{file}:11: stimulus.0.centre",
         "mesh.edge_length": f"{file}: mesh.edge_length",
         "tissue.patches.block.anisotropy.x": "--set tissue.patches.block.anisotropy.x=4",
-        "": str(file),
+        "": "",
+        "runs/a": "runs/a",
     }.items():
         with pytest.raises(InputError) as caught, loaded.naming_lines():
             raise InputError(where, "wrong")

@@ -99,7 +99,7 @@ def configs(draw: st.DrawFn) -> Config:
 
 
 # building the nested strategies is slow on a shared machine, the property itself is not
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(configs())
 def test_a_config_survives_being_written_and_read(config):
     text = dump_config(config)

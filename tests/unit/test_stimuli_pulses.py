@@ -33,7 +33,7 @@ def strip_of_triangles() -> Surface:
     second = np.column_stack([lower + 1, lower + 1 + count, lower + count])
     triangles = np.concatenate([first, second])
     faces = len(triangles)
-    inside = low[triangles[:, 0] % count, 0] < 3.0
+    inside = low[triangles % count, 0].mean(axis=1) < 3.0
     return Surface(
         points=np.concatenate([low, low + np.array([0, 1, 0])]),
         triangles=triangles,
