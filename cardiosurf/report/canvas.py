@@ -23,7 +23,7 @@ def new_figure(width: float, height: float, title: str, caption: str | None) -> 
     """Return an empty figure, in inches, with the run's name and the verdict on top."""
     figure = Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(h_pad=0.08))
     FigureCanvasAgg(figure)
-    lines = [title, *([] if caption is None else wrap(caption, width=int(13 * width)))]
+    lines = [title, *([] if caption is None else wrap(caption, width=int(12 * width)))]
     figure.suptitle("\n".join(lines), fontsize=11)
     return figure
 

@@ -12,7 +12,6 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch as Swatch
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
-from matplotlib.patheffects import withStroke
 from matplotlib.tri import Triangulation
 from scipy.spatial import cKDTree
 
@@ -28,6 +27,8 @@ NAME_SHAPE = np.array([1.5, 0.5])
 """A name is wider than it is high: names above each other may be closer."""
 NAME_ROOM = np.array([0.07, 0.035])
 """Half the room that a name takes, in parts of a view's width and height."""
+# a plate and no halo: text with a halo is no text any more in an SVG
+PLATE = {"boxstyle": "round,pad=0.12", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
 
 Spots: TypeAlias = dict[str, Floats]
 """Where the names of regions stand on a view."""
@@ -103,7 +104,7 @@ def draw_isochrones(axes: Axes, view: View, lat: Floats, spots: Spots) -> None:
     lines = axes.tricontour(mesh, filled, levels=levels, colors=INK, linewidths=0.6)
     middle, half = view.limits.mean(axis=1), np.ptp(view.limits, axis=1) / 2
     for text in axes.clabel(lines, fmt="%g", fontsize=6.5, inline=False):
-        text.set_path_effects([withStroke(linewidth=2.0, foreground="white", alpha=0.85)])
+        text.set_bbox(PLATE)
         place = np.asarray(text.get_position())
         outside = bool((np.abs(place - middle) > 0.95 * half).any())
         taken = any((np.abs(place - spot) < 2 * half * NAME_ROOM).all() for spot in spots.values())
@@ -227,10 +228,16 @@ def _name(axes: Axes, view: View, mask: Mask, name: str, spots: Spots) -> None:
         return
     spot = roomiest_spot(view, mask, list(spots.values()))
     spots[name] = spot
-    text = axes.text(
-        float(spot[0]), float(spot[1]), name, fontsize=8, weight="bold", ha="center", va="center"
+    axes.text(
+        float(spot[0]),
+        float(spot[1]),
+        name,
+        fontsize=8,
+        weight="bold",
+        ha="center",
+        va="center",
+        bbox=PLATE,
     )
-    text.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
 
 
 def roomiest_spot(view: View, mask: Mask, taken: Sequence[Floats]) -> Floats:

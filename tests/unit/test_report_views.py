@@ -1,0 +1,130 @@
+import numpy as np
+import pytest
+from recording_samples import square_surface
+
+from cardiosurf.geometry import build_surface
+from cardiosurf.geometry.sphere import Sphere
+from cardiosurf.geometry.t_domain import TDomain
+from cardiosurf.report.layers import isochrone_levels, roomiest_spot
+from cardiosurf.report.views import (
+    flat_views,
+    has_vein,
+    outlines,
+    seen,
+    unrolled_sphere,
+    unrolled_vein,
+)
+
+T_DOMAIN = build_surface(TDomain(), 8.0, {})
+SPHERE = build_surface(Sphere(), 8.0, {})
+
+
+def signed_area(points):
+    x, y = points.T
+    return 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
+
+
+def turned_over(view):
+    """Number of the view's triangles whose corners run against those of the first."""
+    a, b, c = (view.points[view.triangles[:, k]] for k in range(3))
+    sides = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    return int((np.sign(sides) != np.sign(sides[0])).sum())
+
+
+def test_flat_view_of_a_plane_and_of_the_t_domain():
+    (view,) = flat_views(square_surface())
+    assert view.labels == ("x [su]", "y [su]")
+    assert np.array_equal(view.points, square_surface().points[:, :2])
+    (view,) = flat_views(T_DOMAIN)
+    assert view.labels == ("y [su]", "z [su]")
+    assert np.array_equal(view.points, T_DOMAIN.points[:, 1:])
+    assert view.limits.tolist() == [[-150.0, 150.0], [-150.0, 150.0]]
+
+
+def test_no_triangle_of_the_t_domain_hides_another_in_its_flat_view():
+    # A triangle turned over, or an area that is not that of the picture's outline, would overlap:
+    # two rectangles, minus the open tip's disc (its polygon of edges <= 8 su is 0.3 % smaller)
+    (view,) = flat_views(T_DOMAIN)
+    assert turned_over(view) == 0
+    area = sum(abs(signed_area(view.points[triangle])) for triangle in view.triangles)
+    assert area == pytest.approx(150 * 300 + 150 * 140 - np.pi * 35**2, rel=3e-3)
+
+
+def test_unrolled_vein_puts_every_vertex_at_its_angle_and_arc_length():
+    view = unrolled_vein(T_DOMAIN)
+    phi, theta = np.radians(view.points[:, 0]), view.points[:, 1] / 35.0
+    rho = 35.0 * (1 - np.sin(theta)) + 35.0
+    expected = np.column_stack((35 * (1 - np.cos(theta)), rho * np.sin(phi), rho * np.cos(phi)))
+    # arccos near 1 turns round-off of 1e-16 into 1e-8 in theta, so 1e-6 in su
+    assert T_DOMAIN.points[view.vertex_of] == pytest.approx(expected, abs=1e-5)
+    assert view.limits[1] == pytest.approx([0.0, 35 * np.pi / 2])
+    assert has_vein(T_DOMAIN)
+
+
+@pytest.mark.parametrize("view", [unrolled_vein(T_DOMAIN), unrolled_sphere(SPHERE)])
+def test_unrolled_maps_cover_the_whole_turn_once(view):
+    middles = view.points[view.triangles].mean(axis=1)
+    once = (middles[:, 0] >= -180.0 - 1e-6) & (middles[:, 0] < 180.0 - 1e-6)
+    # every triangle of the mesh is drawn with its middle inside exactly once
+    assert np.unique(view.triangle_of[once], return_counts=True)[1].max() == 1
+    assert set(view.triangle_of) == set(view.triangle_of[once])
+    # those across the cut reach over both ends
+    assert view.points[:, 0].min() < -180.0
+    assert view.points[:, 0].max() > 180.0
+
+
+def test_unrolled_sphere_puts_every_vertex_at_its_angles():
+    view = unrolled_sphere(SPHERE)
+    phi, theta = np.radians(view.points).T
+    expected = 50 * np.column_stack(
+        (np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta))
+    )
+    assert SPHERE.points[view.vertex_of] == pytest.approx(expected, abs=1e-5)
+
+
+def test_outlines_enclose_exactly_the_region_with_its_holes():
+    surface = square_surface(count=10, width=10.0)
+    (view,) = flat_views(surface)
+    x, y = surface.net.T
+    ring = (np.abs(x - 5) < 4) & (np.abs(y - 5) < 4) & ~((np.abs(x - 5) < 1) & (np.abs(y - 5) < 1))
+    loops = outlines(seen(view, ring))
+    areas = sorted(signed_area(view.points[loop]) for loop in loops)
+    assert areas == pytest.approx([-4.0, 64.0])
+
+
+def test_outlines_of_regions_that_meet_in_a_corner():
+    surface = square_surface(count=2, width=2.0)
+    (view,) = flat_views(surface)
+    x, y = surface.net.T
+    corners = (x < 1) == (y < 1)
+    loops = outlines(seen(view, corners))
+    assert sum(signed_area(view.points[loop]) for loop in loops) == pytest.approx(2.0)
+    assert outlines(seen(view, np.zeros(8, dtype=bool))) == []
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "step"),
+    [(0, 950, 100), (0, 700, 50), (3, 260, 25), (10, 12, 1), (0, 2400, 250)],
+)
+def test_isochrones_are_round_and_few(low, high, step):
+    levels = isochrone_levels(np.array([np.nan, low, high, (low + high) / 2]))
+    assert np.diff(levels) == pytest.approx(np.full(len(levels) - 1, step))
+    assert (levels % step == 0).all()
+    assert low < levels.min() <= low + step
+    assert high - step <= levels.max() < high
+
+
+def test_no_isochrones_where_nothing_was_activated():
+    assert isochrone_levels(np.array([np.nan, np.nan])).size == 0
+    assert isochrone_levels(np.array([3.0, 3.0])).size == 0
+
+
+def test_names_stand_in_the_middle_and_apart():
+    surface = square_surface(count=12, width=12.0)
+    (view,) = flat_views(surface)
+    block = (np.abs(surface.net - 6.0) < 4).all(axis=1)
+    first = roomiest_spot(view, block, [])
+    assert first == pytest.approx([6.0, 6.0], abs=0.5)
+    second = roomiest_spot(view, block, [first])
+    assert np.abs(second - 6.0).max() < 4
+    assert (np.abs(second - first) > (1.5, 0.4)).any()
