@@ -12,6 +12,7 @@ from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.surface import Surface
 from cardiosurf.recording.layout import DATASETS, SCHEMA
+from cardiosurf.recording.meta import read_meta, write_meta
 from cardiosurf.recording.recording import (
     Events,
     FrameSeries,
@@ -51,7 +52,7 @@ def write_recording(path: Path, recording: Recording) -> None:
             _write(file, name, value)
         _write_frame_views(file)
         file["config/text"].attrs["sha256"] = recording.config_sha256
-        _write_meta(file.create_group("meta"), recording.meta)
+        write_meta(file.create_group("meta"), recording.meta)
         file.attrs["schema"] = SCHEMA
         file.attrs["name"] = recording.name
         file.attrs["end_time"] = recording.end_time
@@ -176,7 +177,7 @@ def _write_frames(file: h5py.File, name: str, frames: NDArray[np.float32]) -> h5
     """Write frames (k, n) one by one: they may be in a file larger than memory."""
     options: dict[str, Any] = {"shape": frames.shape, "dtype": np.float32}
     if frames.size:
-        options |= {"chunks": (1, frames.shape[1]), "compression": "lzf", "shuffle": True}
+        options |= {"chunks": (1, frames.shape[1]), "compression": "gzip", "shuffle": True}
     dataset = file.create_dataset(name, **options)
     for index, frame in enumerate(frames):
         dataset[index] = frame
@@ -191,27 +192,6 @@ def _write_frame_views(file: h5py.File) -> None:
             view = h5py.VirtualLayout(shape=stored.shape[1:], dtype=np.float32)
             view[:] = h5py.VirtualSource(stored)[index]
             file.create_virtual_dataset(f"frames/by_time/{variable}_{index:05d}", view)
-
-
-def _write_meta(group: h5py.Group, meta: Mapping[str, Any]) -> None:
-    """Write numbers and texts as attributes, and mappings as groups with attributes."""
-    for name, value in meta.items():
-        if isinstance(value, Mapping):
-            _write_meta(group.create_group(name), value)
-        else:
-            group.attrs[name] = h5py.Empty("f8") if value is None else value
-
-
-def _read_meta(group: h5py.Group) -> Mapping[str, Any]:
-    values = {name: _plain(value) for name, value in group.attrs.items()}
-    return values | {name: _read_meta(inner) for name, inner in group.items()}
-
-
-def _plain(value: Any) -> Any:
-    """Return an attribute as the Python value that was written."""
-    if isinstance(value, h5py.Empty):
-        return None
-    return value.item() if isinstance(value, np.generic) else value
 
 
 def _check(path: Path, file: h5py.File) -> None:
@@ -247,7 +227,7 @@ def _read(file: h5py.File, *, with_frames: bool) -> Recording:
         stop_reason=str(file.attrs["stop_reason"]),
         config=str(file["config/text"].asstr()[()]),
         config_sha256=str(file["config/text"].attrs["sha256"]),
-        meta=_read_meta(file["meta"]),
+        meta=read_meta(file["meta"]),
     )
 
 

@@ -195,7 +195,7 @@ except InputError as error:
 
 def test_a_process_killed_in_mid_write_leaves_no_recording(tmp_path, request):
     code = f"""
-hdf5._write_meta = lambda group, meta: os.kill(os.getpid(), signal.SIGKILL)
+hdf5.write_meta = lambda group, meta: os.kill(os.getpid(), signal.SIGKILL)
 hdf5.write_recording(Path({str(tmp_path / "r.h5")!r}), sample_recording())
 """
     done = run(code, request.path.parent)
