@@ -68,7 +68,7 @@ def _names(where: str, items: Sequence[_Named]) -> Iterator[InputError]:
             yield InputError(
                 place,
                 f"{item.name!r} cannot be a name",
-                "letters, digits, - and _, so that --set and file names can use it",
+                "letters, digits, spaces, - and _, so that --set can use it",
             )
         elif item.name.isdigit():
             yield InputError(

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
+from annotated_types import Interval
 from scipy.special import expit
 
 from cardiosurf.arrays import Floats
@@ -13,16 +14,18 @@ from cardiosurf.errors import InputError
 from cardiosurf.geometry.nearest import nearest_point
 from cardiosurf.geometry.regions import Region, Vector
 from cardiosurf.geometry.surface import Surface
-from cardiosurf.sections import Count, NonNegative, Positive, Section
+from cardiosurf.sections import NonNegative, Positive, Section
 from cardiosurf.spelling import did_you_mean
 from cardiosurf.tissue.distance import distance_to_segments
+
+Beats: TypeAlias = Annotated[int, Interval(ge=1, le=10_000)]
 
 
 @dataclass(frozen=True)
 class Train(Section):
     """``count`` beats, ``interval`` tu apart."""
 
-    count: Count
+    count: Beats
     interval: Positive
 
 
@@ -40,7 +43,7 @@ class S1S2(Section):
         Coupling interval of the premature beat S2, in tu.
     """
 
-    s1_count: Count
+    s1_count: Beats
     s1_interval: Positive
     s2_interval: Positive
 

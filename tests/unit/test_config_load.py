@@ -167,6 +167,10 @@ MISTAKES = [
         ["a.yaml:11: stimulus.0.at", "last beat comes at 1600 tu", "time.end: 2600"],
     ),
     (changed("right}", "right, duration: 2}"), ["a.yaml:11: stimulus.0.duration", "strength"]),
+    (
+        changed("right}", "right, train: {count: 1000000000, interval: 1}}"),
+        ["a.yaml:11: stimulus.0.train.count", "1000000000 is above 10000", "at least 1"],
+    ),
     (changed("right}", "right, train: 5}"), ["stimulus.0.train", "5 is not a mapping", "count"]),
     (
         changed("  - {shape: edge, edge: right}", "  []"),
