@@ -85,7 +85,7 @@ def decode(document: Document) -> Config:
             mistakes[mistake.path] = mistake
     problems = [
         InputError(document.where(m.path), m.problem, m.allowed, m.hint)
-        for m in sorted(mistakes.values(), key=lambda m: _line(document, m.path))
+        for m in sorted(mistakes.values(), key=lambda m: document.line(m.path))
         if not _follows_from_another(m, mistakes, document)
     ]
     raise ConfigError(document.file, problems)
@@ -97,13 +97,6 @@ def _follows_from_another(
     """Tell whether a list is said to be too short only because its items are wrong."""
     deeper = any(path[: len(mistake.path)] == mistake.path != path for path in mistakes)
     return deeper and "item" in mistake.problem
-
-
-def _line(document: Document, path: KeyPath) -> int:
-    for length in range(len(path), 0, -1):
-        if path[:length] in document.lines:
-            return document.lines[path[:length]]
-    return 0
 
 
 def _mistake(detail: ErrorDetails, document: Document) -> _Mistake:
@@ -223,6 +216,8 @@ def _advice(value: Any, annotation: Any) -> str:
         except ValueError:
             return ""
         return f"remove the quotes: {value}"
+    if isinstance(value, dict) and describe(annotation).startswith("a list"):
+        return "put it in a list: begin it with '- '"
     section = section_of(annotation)
     if section is not None and not isinstance(value, dict):
         required = [key for key in fields_of(section) if is_required(section, key)]

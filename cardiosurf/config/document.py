@@ -41,6 +41,13 @@ class Document:
                 return f"{self.file}:{self.lines[path[:length]]}: {self.spelled(path)}"
         return f"{self.file}: {self.spelled(path)}" if path else self.file
 
+    def line(self, path: KeyPath) -> int:
+        """Return the line of a value, of the nearest thing around it, or 0."""
+        for length in range(len(path), 0, -1):
+            if path[:length] in self.lines:
+                return self.lines[path[:length]]
+        return 0
+
     def spelled(self, path: KeyPath) -> str:
         """Return a key path with dots, list items by their ``name`` where they have one."""
         words: list[str] = []

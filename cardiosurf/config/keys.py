@@ -147,6 +147,9 @@ def _describe_value(bare: Any, metadata: tuple[Any, ...]) -> str:
         return _describe_list(arguments, metadata)
     if get_origin(bare) is dict:
         return f"a mapping from words to {describe(arguments[1])}"
+    for item in metadata:
+        if isinstance(item, FieldInfo) and item.description:
+            return item.description
     return _NAMES.get(bare, str(bare)) + _limits(metadata)
 
 
@@ -177,7 +180,7 @@ def _limits(metadata: tuple[Any, ...]) -> str:
         for attribute, words in _LIMIT_WORDS.items():
             limit = getattr(item, attribute, None)
             if limit is not None:
-                found.append(f"{words} {limit if isinstance(limit, str) else format(limit, 'g')}")
+                found.append(f"{words} {limit:g}")
     return (" " + " and ".join(found)) if found else ""
 
 
@@ -186,8 +189,6 @@ _LIMIT_WORDS = {
     "ge": "of at least",
     "lt": "below",
     "le": "of at most",
-    "pattern": "that matches",
-    "max_length": "of length at most",
 }
 
 

@@ -86,9 +86,9 @@ def _loaded(document: Document) -> Loaded:
         named = {"name": _safe_name(Path(document.file).stem), **document.data}
         document = replace(document, data=named)
     config = decode(document)
-    problems = [document.placed(error) for error in check(config)]
+    problems = sorted(check(config), key=lambda e: document.line(document.find(e.where)))
     if problems:
-        raise ConfigError(document.file, problems)
+        raise ConfigError(document.file, [document.placed(error) for error in problems])
     config = resolved(config)
     text = dump_config(config)
     return Loaded(config, text, hashlib.sha256(text.encode()).hexdigest(), document)
@@ -96,4 +96,4 @@ def _loaded(document: Document) -> Loaded:
 
 def _safe_name(stem: str) -> str:
     """Return a file's stem as a word that can name a run."""
-    return re.sub(r"[^A-Za-z0-9_.-]+", "-", stem).strip("-.") or "simulation"
+    return re.sub(r"[^A-Za-z0-9_.-]+", "-", stem).strip("-._") or "simulation"

@@ -28,8 +28,15 @@ else:
     Kinetics = keyed_union("model", KINETICS, default="rogers_mcculloch")
     AnyStimulus = keyed_union("shape", STIMULI)
 
-NAME_PATTERN = r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$"
-Name: TypeAlias = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100)]
+NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"
+Name: TypeAlias = Annotated[
+    str,
+    Field(
+        pattern=NAME_PATTERN,
+        max_length=100,
+        description="at most 100 letters, digits, _, . and -, beginning with a letter or digit",
+    ),
+]
 
 
 @dataclass(frozen=True)

@@ -194,7 +194,7 @@ MISTAKES = [
     (PLANE + "mesh: {order: 2}\n", ["mesh.order", "2 is not allowed", "allowed: 1"]),
     (PLANE + "kinetics: {model: rogers}\n", ["kinetics.model", "'rogers_mcculloch'?"]),
     (PLANE + "kinetics: {model: 3}\n", ["kinetics.model", "unknown model 3", "fitzhugh_nagumo"]),
-    (PLANE + "name: ../up\n", ["a.yaml:15: name", "'../up'", "characters"]),
+    (PLANE + "name: ../up\n", ["a.yaml:15: name", "'../up'", "100 letters, digits"]),
     (PLANE + "record: {probes: [{name: a, at: [0, 0]}]}\n", ["record.probes.a.at", "3 numbers"]),
 ]
 
