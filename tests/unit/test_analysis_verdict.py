@@ -65,9 +65,9 @@ def test_no_activation_at_all():
 
 def test_capture_needs_a_wave_that_leaves_the_stimulus():
     distance = np.linspace(0.0, 200.0, 201)
-    lat = np.where(distance <= 20.0, 5.0 * distance, np.nan)
+    lat = np.where(distance <= 14.0, 5.0 * distance, np.nan)
     assert not captured(lat, distance)
-    assert captured(np.where(distance <= 60.0, distance, np.nan), distance)
+    assert captured(np.where(distance <= 25.0, distance, np.nan), distance)
     assert not captured(np.full(201, np.nan), distance)
 
 
