@@ -15,6 +15,8 @@ from cardiosurf.stepping.moment import Moment
 ACTIVE = 0.1
 """Tissue with u above this counts as active; rest is 0, and a run may end below 0.05."""
 SECONDS_BETWEEN = 0.1
+LARGEST_SHARE = 0.02
+"""Drawing the bar takes at most this share of the wall time."""
 LOOK_BACK = 100.0
 """The decline of the active tissue is judged over this time, in tu (about one APD)."""
 
@@ -48,7 +50,7 @@ class ProgressBar:
         self._history: deque[tuple[float, float]] = deque()
         self._bar = Progress(
             TextColumn("{task.description}"),
-            BarColumn(),
+            BarColumn(bar_width=20),
             TextColumn("{task.fields[note]}"),
             TimeElapsedColumn(),
             console=console,
@@ -81,8 +83,9 @@ class ProgressBar:
             return
         now = time.monotonic()
         if now >= self._next:
-            self._next = now + SECONDS_BETWEEN
             self._show(moment)
+            spent = time.monotonic() - now
+            self._next = now + max(SECONDS_BETWEEN, spent / LARGEST_SHARE)
 
     def finalize(self, moment: Moment) -> None:
         """Show the end."""
@@ -95,9 +98,9 @@ class ProgressBar:
         while moment.time - self._history[0][0] > LOOK_BACK:
             self._history.popleft()
         rest = expected_rest(np.array(self._history))
-        note = f"t = {moment.time:.0f} of {self._end:.0f} tu, {100 * active:.1f} % active"
+        note = f"{moment.time:.0f}/{self._end:.0f} tu, {100 * active:.1f} % active"
         if rest is not None and rest < self._end and not moment.pulse_pending:
-            note += f", rest at about {rest:.0f}"
+            note += f", rest at ~{rest:.0f} tu"
         self._bar.update(self._task, completed=moment.time, note=note)
         self._bar.refresh()
 

@@ -11,6 +11,7 @@ from cardiosurf.recording.progress import ProgressBar, expected_rest
 
 def show(monkeypatch, *, terminal):
     monkeypatch.setattr(progress, "SECONDS_BETWEEN", 0.0)
+    monkeypatch.setattr(progress, "LARGEST_SHARE", np.inf)
     text = io.StringIO()
     console = Console(file=text, force_terminal=terminal, width=120)
     states = potentials([0, 1, 1, 1, 1], [0, 1, 1, 0, 0], [0, 1, 0, 0, 0])
@@ -25,11 +26,11 @@ def show(monkeypatch, *, terminal):
 
 def test_bar_shows_time_active_share_of_the_area_and_when_rest_is_expected(monkeypatch):
     text = show(monkeypatch, terminal=True)
-    assert "t = 240 of 600 tu, 80.0 % active" in text
+    assert "240/600 tu, 80.0 % active" in text
     # 100 % at 200, 80 % at 240 and 50 % at 260: the line through the first and the last
     # reaches 0 at 400 and 320
-    assert "80.0 % active, rest at about 400" in text
-    assert "50.0 % active, rest at about 320" in text
+    assert "80.0 % active, rest at ~400 tu" in text
+    assert "50.0 % active, rest at ~320 tu" in text
 
 
 def test_bar_is_silent_when_stderr_is_no_terminal(monkeypatch):
