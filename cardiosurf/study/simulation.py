@@ -96,8 +96,9 @@ def simulate(
     folder = RunFolder(path)
     resuming = folder.open(overwrite=overwrite, resume=resume)
     try:
-        setup = set_up(loaded.config)
-        watch = _watch(loaded, setup, folder)
+        with loaded.naming_lines():
+            setup = set_up(loaded.config)
+            watch = _watch(loaded, setup, folder)
         set_up_seconds = perf_counter() - begun
         outcome = _march(loaded, setup, folder, watch, resuming=resuming)
         recording = _recording(loaded, setup, watch, outcome, set_up_seconds)
