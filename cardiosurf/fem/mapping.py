@@ -31,7 +31,7 @@ class SurfaceMapping(Mapping):  # type: ignore[misc]  # scikit-fem carries no ty
     the pseudo-inverse J^+ = (J^T J)^-1 J^T; the area element is sqrt(det(J^T J)).
     Array shapes follow scikit-fem: components first, then triangles, then quadrature points.
 
-    Source: Dziuk and Elliott, Acta Numerica 22:289 (2013), section 4.
+    Source: Dziuk and Elliott, Acta Numerica 22:289 (2013).
 
     Raises
     ------

@@ -45,8 +45,8 @@ _ASCHER = "Ascher, Ruuth and Wetton, SIAM J Numer Anal 32:797 (1995)"
 SCHEMES: dict[str, Scheme] = {
     scheme.name: scheme
     for scheme in (
-        Scheme("imex_euler", 1, (1.0, -1.0), (1.0,), (1.0,), f"{_ASCHER}, eq. 8"),
-        Scheme("cnab2", 2, (1.0, -1.0), (0.5, 0.5), (1.5, -0.5), f"{_ASCHER}, eq. 12"),
-        Scheme("sbdf2", 2, (1.5, -2.0, 0.5), (1.0,), (2.0, -1.0), f"{_ASCHER}, eq. 15"),
+        Scheme("imex_euler", 1, (1.0, -1.0), (1.0,), (1.0,), _ASCHER),
+        Scheme("cnab2", 2, (1.0, -1.0), (0.5, 0.5), (1.5, -0.5), _ASCHER),
+        Scheme("sbdf2", 2, (1.5, -2.0, 0.5), (1.0,), (2.0, -1.0), _ASCHER),
     )
 }

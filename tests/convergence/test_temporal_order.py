@@ -113,7 +113,7 @@ def test_a_foreign_scheme_of_third_order_keeps_its_order(sphere):
         (11 / 6, -3.0, 1.5, -1 / 3),
         (1.0,),
         (3.0, -3.0, 1.0),
-        "Ascher, Ruuth and Wetton (1995), eq. 23",
+        "Ascher, Ruuth and Wetton (1995)",
     )
     op, mode, eigenvalue = sphere
     exact = np.outer(expm(END * (RATES - np.diag([eigenvalue, 0.0]))) @ START, mode)

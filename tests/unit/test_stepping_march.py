@@ -126,7 +126,7 @@ def test_a_foreign_scheme(wave):
     _, problem = wave
     modified = Scheme(
         "mcnab", 2, (1.0, -1.0), (9 / 16, 6 / 16, 1 / 16), (1.5, -0.5),
-        "Ascher, Ruuth and Wetton (1995), eq. 13",
+        "Ascher, Ruuth and Wetton (1995)",
     )  # fmt: skip
     ours, theirs = Witness(), Witness()
     march(problem, controls(0.25, 30.0), (ours,))
