@@ -135,9 +135,9 @@ class Arc:
     def places(self, stations: Floats, sheet: Sheet) -> Floats:
         """Return the mesh points (n, 3) at the stations.
 
-        Chords of a curve cut off slivers, (kappa l)^2 / 12 of the length l times l each. On a
-        region's edge the points stand outward by kappa l^2 / 12 + kappa^3 l^4 / 160, so that
-        the area between the chords and the curve is zero; everywhere else they are exact.
+        The chord of a curve of curvature kappa cuts off kappa l^3 / 12. On a region's edge the
+        points stand outward by kappa l^2 / 12 + kappa^3 l^4 / 160, so that chords and curve
+        enclose the same area; everywhere else they are exact.
         """
         exact = self.at(stations, sheet)
         if not self.soft or not len(stations):
@@ -147,14 +147,20 @@ class Arc:
             around = self.length - stations[-1] + stations[0]
             steps = np.concatenate([[around], steps, [around]])
         else:
-            steps = np.concatenate([steps[:1], steps, steps[-1:]])
-        square = 0.5 * (steps[:-1] ** 2 + steps[1:] ** 2)
+            steps = np.concatenate([[0.0], steps, [0.0]])
+        before, after = steps[:-1], steps[1:]
         bend = tangential(self.bend(stations, sheet), sheet.normal(exact))
-        curvature = np.einsum("nk,nk->n", bend, bend)
-        outward = square / 12.0 + curvature * square**2 / 160.0
+        curvature = np.linalg.norm(bend, axis=1)
+        cut = curvature * (before**3 + after**3) / 24.0
+        cut *= 1.0 + 0.075 * curvature**2 * (before**2 + after**2) / 2.0
+        gained = 0.5 * (before + after)
+        outward = cut / np.maximum(gained, 1e-300)
         if not self.loop:
+            # the ends are corners and stay; what they cannot make up for the others must
             outward[[0, -1]] = 0.0
-        return sheet.project(exact - bend * outward[:, None])
+            given = float((outward * gained).sum())
+            outward *= min(2.0, float(cut.sum()) / given) if given > 0 else 0.0
+        return sheet.project(exact - bend * (outward / np.maximum(curvature, 1e-300))[:, None])
 
 
 def made_even(piece: Piece, level: Level, sheet: Sheet, step: float) -> Arc:

@@ -12,6 +12,7 @@ from cardiosurf.geometry.skeleton import Skeleton
 
 _ROUNDS = 24
 _GROWTH = 0.4
+_SHARP = 0.5
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,8 @@ class Frontier:
         Mesh edges on the skeleton, as pairs of vertex numbers.
     arc_of, slot : (s,) int
         The arc of each segment, and which of the arc's intervals it is.
+    arc_at : (p,) int
+        The arc of each vertex, -1 for a corner.
     lengths : (s,) float
         Length of each segment, in su.
     corners : int
@@ -36,6 +39,7 @@ class Frontier:
     segments: Ints
     arc_of: Ints
     slot: Ints
+    arc_at: Ints
     lengths: Floats
     corners: int
 
@@ -68,11 +72,18 @@ def frontier(bones: Skeleton, stations: Sequence[Floats], sheet: Sheet) -> Front
         start += len(inner)
     if not segments:
         none = np.empty(0, dtype=np.int64)
-        return Frontier(bones.corners, none.reshape(0, 2), none, none, np.empty(0), 0)
+        return Frontier(bones.corners, none.reshape(0, 2), none, none, none, np.empty(0), 0)
     every, pairs = np.concatenate(points), np.concatenate(segments)
     lengths = np.linalg.norm(every[pairs[:, 1]] - every[pairs[:, 0]], axis=1)
+    numbers = np.arange(-1, len(bones.arcs))
     return Frontier(
-        every, pairs, np.concatenate(arc_of), np.concatenate(slot), lengths, len(bones.corners)
+        points=every,
+        segments=pairs,
+        arc_of=np.concatenate(arc_of),
+        slot=np.concatenate(slot),
+        arc_at=np.repeat(numbers, [len(one) for one in points]),
+        lengths=lengths,
+        corners=len(bones.corners),
     )
 
 
@@ -103,7 +114,7 @@ def first_stations(bones: Skeleton, edge_length: float, floor: float, sheet: She
         if not crowded.any():
             break
         stations = halved(bones, stations, front, crowded)
-    return stations
+    return _evened(bones, stations, frontier(bones, stations, sheet))
 
 
 def sizes(front: Frontier, edge_length: float, points: Floats) -> Floats:
@@ -118,6 +129,50 @@ def sizes(front: Frontier, edge_length: float, points: Floats) -> Floats:
     away, which = away.reshape(len(points), -1), which.reshape(len(points), -1)
     reached = np.append(spacing[small], np.inf)[which] + _GROWTH * away
     return np.minimum(wanted, reached.min(axis=1))
+
+
+def wedges(front: Frontier) -> list[tuple[int, int, int]]:
+    """Return corners with two segments that leave it less than 60 degrees apart, and those two."""
+    found: list[tuple[int, int, int]] = []
+    beside: dict[int, list[int]] = {}
+    for number, ends in enumerate(front.segments.tolist()):
+        for end in ends:
+            if end < front.corners:
+                beside.setdefault(end, []).append(number)
+    for corner, segments in beside.items():
+        away = front.points[front.segments[segments]].sum(axis=1) - 2.0 * front.points[corner]
+        away /= front.lengths[segments][:, None]
+        cosine = away @ away.T
+        for one, other in zip(*np.nonzero(np.triu(cosine > _SHARP, 1)), strict=True):
+            found.append((corner, segments[one], segments[other]))
+    return found
+
+
+def _evened(bones: Skeleton, stations: Sequence[Floats], front: Frontier) -> list[Floats]:
+    """Return the stations with the first ones equally far along both arcs of a sharp corner.
+
+    Vertices at equal distances keep the triangles between the arcs as good as the corner allows.
+    """
+    new = list(stations)
+    nearest: dict[int, float] = {}
+    sides: list[tuple[int, int]] = []
+    for corner, *pair in wedges(front):
+        shortest = min(float(front.lengths[one]) for one in pair)
+        nearest[corner] = min(shortest, nearest.get(corner, np.inf))
+        sides += [(corner, one) for one in pair]
+    for corner, segment in dict.fromkeys(sides):
+        number = int(front.arc_of[segment])
+        arc, at = bones.arcs[number], new[number]
+        if len(at) < 3:
+            continue
+        wanted = nearest[corner]
+        if arc.ends[0] == corner and front.slot[segment] == 0:
+            rest = at[at > 1.5 * wanted]
+            new[number] = np.concatenate([[0.0, wanted], rest])
+        else:
+            rest = at[at < arc.length - 1.5 * wanted]
+            new[number] = np.concatenate([rest, [arc.length - wanted, arc.length]])
+    return new
 
 
 def _crowded(front: Frontier) -> Mask:
@@ -135,7 +190,7 @@ def _crowded(front: Frontier) -> Mask:
     for number in np.flatnonzero(counts):
         one, other = front.segments[number].tolist()
         own = {one, other}
-        for end in own:
+        for end in (one, other):
             if end < front.corners:
                 own |= beside[end]
         crowded[number] = not own.issuperset(near[number])

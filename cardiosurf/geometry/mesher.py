@@ -8,24 +8,37 @@ from scipy.spatial import cKDTree
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.errors import NumericalError
 from cardiosurf.geometry.frontier import Frontier, first_stations, frontier, halved, sizes
+from cardiosurf.geometry.refinement import FLOOR, Bad, bad_triangles, remedy
 from cardiosurf.geometry.sheet import Sheet
 from cardiosurf.geometry.skeleton import Skeleton
 from cardiosurf.geometry.smoothing import improved, relaxed
-from cardiosurf.geometry.topology import (
-    angles,
-    are_edges,
-    circumcentres,
-    edge_vectors,
-    numbered_edges,
-)
+from cardiosurf.geometry.topology import are_edges, numbered_edges
 
 _CLEAR = 0.6
-_FLOOR = 0.03
-_SMOOTH_ROUNDS = 6
-_ROUNDS = 80
-_SMALLEST_ANGLE = 27.0
-_LONGEST = 1.7
 _SHORTEST = 0.55
+_SMOOTH_ROUNDS = 4
+_ROUNDS = 80
+_SWEEPS = 4
+_FINAL_SWEEPS = 30
+# smallest angle asked for, and what must do after so many rounds
+_ASKED = 27.0
+_ENOUGH = 22.0
+_PATIENCE = 30
+_TRIES = 5
+# part of a mesh is looked at in a zone: in units of the edge length, how far around it vertices
+# are triangulated, which of the triangles can be trusted, and which are judged
+_AROUND = 10.0
+_TRUSTED = 7.0
+_JUDGED = 4.0
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is to be meshed: the exact surface, the skeleton, the edge length in su."""
+
+    sheet: Sheet
+    bones: Skeleton
+    edge_length: float
 
 
 @dataclass(frozen=True)
@@ -34,6 +47,36 @@ class Draft:
 
     stations: tuple[Floats, ...]
     free: Floats
+
+
+@dataclass(frozen=True)
+class View:
+    """A draft triangulated, all of it or around a zone that still needs work.
+
+    Attributes
+    ----------
+    front : Frontier
+        Vertices and segments on the skeleton.
+    points : (n, 3) float
+        All vertices, those of the front first.
+    triangles : (m, 3) int
+        Delaunay triangles, of all vertices or of those around the zone.
+    judged : (n,) bool
+        Vertices in the zone: all their triangles are there, and right.
+    lost : (s,) bool
+        Segments in the zone that are no edges of triangles.
+    """
+
+    front: Frontier
+    points: Floats
+    triangles: Ints
+    judged: Mask
+    lost: Mask
+
+    @property
+    def free(self) -> Mask:
+        """Vertices that may move, (n,)."""
+        return self.judged & (np.arange(len(self.points)) >= len(self.front.points))
 
 
 def mesh(sheet: Sheet, bones: Skeleton, edge_length: float) -> tuple[Floats, Ints]:
@@ -48,53 +91,80 @@ def mesh(sheet: Sheet, bones: Skeleton, edge_length: float) -> tuple[Floats, Int
     NumericalError
         If an arc cannot be followed.
     """
-    floor = _FLOOR * edge_length
+    job = Job(sheet, bones, edge_length)
+    floor = FLOOR * edge_length
     stations = tuple(first_stations(bones, edge_length, floor, sheet))
-    draft = Draft(stations, _scattered(sheet, bones, stations, edge_length))
-    lost: Mask = np.zeros(0, dtype=bool)
+    draft = _smoothed(Draft(stations, _scattered(job, stations)), job)
+    best, worst, zone, wholes = None, -1.0, None, 0
     for number in range(_ROUNDS):
-        front = frontier(bones, draft.stations, sheet)
-        points = np.concatenate([front.points, draft.free])
-        triangles = _inside(sheet, points)
-        lost = ~are_edges(front.segments, triangles)
-        if lost.any():
-            draft = _recovered(draft, bones, front, lost)
+        view = _seen(draft, job, zone)
+        if view.lost.any():
+            draft = _recovered(draft, bones, view)
             continue
-        if number < _SMOOTH_ROUNDS:
-            moved = relaxed(points, triangles, len(front.points), sheet)
-            draft = replace(draft, free=moved[len(front.points) :])
-            if number < _SMOOTH_ROUNDS - 1:
-                draft = _thinned(draft, front, triangles, edge_length)
-            continue
-        better = _refined(draft, bones, front, triangles, sheet, edge_length)
-        if better is None:
+        points = improved(view.points, view.triangles, view.free, sheet, sweeps=_SWEEPS)
+        view = replace(view, points=points)
+        draft = replace(draft, free=points[len(view.front.points) :])
+        bad = _bad(view, edge_length, _ASKED if number < _PATIENCE else _ENOUGH)
+        if view.judged.all():
+            wholes += 1
+            if (least := float(bad.least.min(initial=90.0))) >= worst:
+                best, worst = view, least
+        draft, helped = _refined(draft, view, job, bad)
+        if view.judged.all() and (not helped or wholes == _TRIES):
             break
-        draft = better
-    if lost.any():
+        zone = points[bad.triangles].mean(axis=1) if helped and number < _ROUNDS - 3 else None
+    if best is None:
         raise NumericalError("the mesh cannot follow the region edges", "a smaller edge_length")
-    return _without_orphans(improved(points, triangles, len(front.points), sheet), triangles)
+    points = improved(best.points, best.triangles, best.free, sheet, sweeps=_FINAL_SWEEPS)
+    return _without_orphans(points, best.triangles)
 
 
-def _scattered(
-    sheet: Sheet, bones: Skeleton, stations: tuple[Floats, ...], edge_length: float
-) -> Floats:
-    seeds = sheet.seeds(edge_length)
-    seeds = seeds[sheet.part_of(seeds) >= 0]
-    front = frontier(bones, stations, sheet)
+def _scattered(job: Job, stations: tuple[Floats, ...]) -> Floats:
+    """Return seeds that are clear of the skeleton."""
+    seeds = job.sheet.seeds(job.edge_length)
+    seeds = seeds[job.sheet.part_of(seeds) >= 0]
+    front = frontier(job.bones, stations, job.sheet)
     if not len(front.segments):
         return seeds
-    wanted = sizes(front, edge_length, seeds)
+    wanted = sizes(front, job.edge_length, seeds)
     tree = cKDTree(np.concatenate([front.points, front.middles]))
     return seeds[tree.query(seeds)[0] > _CLEAR * wanted]
 
 
-def _inside(sheet: Sheet, points: Floats) -> Ints:
-    triangles, centres = sheet.triangulate(points)
-    return triangles[sheet.part_of(centres) >= 0]
+def _smoothed(draft: Draft, job: Job) -> Draft:
+    for number in range(_SMOOTH_ROUNDS):
+        view = _seen(draft, job, None)
+        if view.lost.any():
+            draft = _recovered(draft, job.bones, view)
+            continue
+        moved = relaxed(view.points, view.triangles, view.free, job.sheet)
+        draft = replace(draft, free=moved[len(view.front.points) :])
+        if number < _SMOOTH_ROUNDS - 1:
+            draft = _thinned(draft, view, job.edge_length)
+    return draft
 
 
-def _recovered(draft: Draft, bones: Skeleton, front: Frontier, lost: Mask) -> Draft:
+def _seen(draft: Draft, job: Job, zone: Floats | None) -> View:
+    """Return the draft triangulated: all of it, or around the zone's points (k, 3)."""
+    front = frontier(job.bones, draft.stations, job.sheet)
+    points = np.concatenate([front.points, draft.free])
+    away = np.zeros(len(points))
+    if zone is not None:
+        away = cKDTree(zone).query(points, distance_upper_bound=_AROUND * job.edge_length)[0]
+        away = away / job.edge_length
+    near = np.flatnonzero(np.isfinite(away))
+    triangles, centres = job.sheet.triangulate(points[near])
+    triangles = near[triangles[job.sheet.part_of(centres) >= 0]]
+    triangles = triangles[(away[triangles] < _TRUSTED).all(axis=1)]
+    judged = away < _JUDGED
+    lost = judged[front.segments].all(axis=1)
+    lost[lost] = ~are_edges(front.segments[lost], triangles)
+    return View(front, points, triangles, judged, lost)
+
+
+def _recovered(draft: Draft, bones: Skeleton, view: View) -> Draft:
     """Remove the free vertices in the circles of lost segments; halve those that have none."""
+    front, lost = view.front, view.lost
     crowd = np.zeros(len(draft.free), dtype=bool)
     alone = lost.copy()
     if len(draft.free):
@@ -106,14 +176,14 @@ def _recovered(draft: Draft, bones: Skeleton, front: Frontier, lost: Mask) -> Dr
     return Draft(tuple(stations), draft.free[~crowd])
 
 
-def _thinned(draft: Draft, front: Frontier, triangles: Ints, edge_length: float) -> Draft:
+def _thinned(draft: Draft, view: View, edge_length: float) -> Draft:
     """Remove free vertices that are too near another vertex."""
-    fixed = len(front.points)
-    points = np.concatenate([front.points, draft.free])
-    edges, _ = numbered_edges(triangles)
+    fixed = len(view.front.points)
+    points = np.concatenate([view.front.points, draft.free])
+    edges, _ = numbered_edges(view.triangles)
     edges = edges[edges[:, 1] >= fixed]
     length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
-    short = length < _SHORTEST * sizes(front, edge_length, points[edges].mean(axis=1))
+    short = length < _SHORTEST * sizes(view.front, edge_length, points[edges].mean(axis=1))
     gone: set[int] = set()
     for one, other in edges[short][np.argsort(length[short], kind="stable")].tolist():
         if one not in gone:
@@ -123,76 +193,19 @@ def _thinned(draft: Draft, front: Frontier, triangles: Ints, edge_length: float)
     return replace(draft, free=draft.free[keep[fixed:]])
 
 
-def _refined(
-    draft: Draft,
-    bones: Skeleton,
-    front: Frontier,
-    triangles: Ints,
-    sheet: Sheet,
-    edge_length: float,
-) -> Draft | None:
-    """Return the draft with vertices added at bad triangles, None if there is nothing to do."""
-    points = np.concatenate([front.points, draft.free])
-    bad, worth = _bad(points, triangles, front, edge_length)
-    if not len(bad):
-        return None
-    order = np.argsort(worth, kind="stable")
-    centre, radius = circumcentres(points, triangles[bad[order]])
-    centre = sheet.project(centre)
-    split = np.zeros(len(front.segments), dtype=bool)
-    inside = sheet.part_of(centre) >= 0
-    if len(front.segments):
-        tree = cKDTree(front.middles)
-        away, which = tree.query(centre, k=min(6, tree.n))
-        away, which = away.reshape(len(centre), -1), which.reshape(len(centre), -1)
-        within = away < 0.5 * front.lengths[which]
-        blocked = within.any(axis=1)
-        split[which[within]] = True
-        split &= front.lengths > _FLOOR * edge_length
-        inside &= ~blocked
-    new = _apart(centre[inside], radius[inside])
-    if not split.any() and not len(new):
-        return None
-    stations = halved(bones, draft.stations, front, split)
-    return Draft(tuple(stations), np.concatenate([draft.free, new]))
+def _bad(view: View, edge_length: float, asked: float) -> Bad:
+    triangles = view.triangles[view.judged[view.triangles].all(axis=1)]
+    return bad_triangles(view.points, triangles, view.front, edge_length, asked)
 
 
-def _bad(
-    points: Floats, triangles: Ints, front: Frontier, edge_length: float
-) -> tuple[Ints, Floats]:
-    """Return the triangles that need another vertex, and their smallest angles."""
-    corner = angles(points, triangles)
-    least = corner.min(axis=1)
-    sides = np.linalg.norm(edge_vectors(points, triangles), axis=2)
-    wanted = sizes(front, edge_length, points[triangles].mean(axis=1))
-    bad = (least < _SMALLEST_ANGLE) | (sides.max(axis=1) > _LONGEST * wanted)
-    bad &= sides.min(axis=1) > 0.5 * _FLOOR * edge_length
-    rows = np.flatnonzero(bad)
-    if not len(rows) or not len(front.segments):
-        return rows, least[rows]
-    at = corner[rows].argmin(axis=1)
-    tip = triangles[rows, at]
-    forced = np.ones(len(rows), dtype=bool)
-    for turn in (1, 2):
-        other = triangles[rows, (at + turn) % 3]
-        forced &= are_edges(np.stack([tip, other], axis=1), _as_triangles(front.segments))
-    rows = rows[~forced]
-    return rows, least[rows]
-
-
-def _as_triangles(segments: Ints) -> Ints:
-    return segments[:, [0, 1, 1]]
-
-
-def _apart(points: Floats, radius: Floats) -> Floats:
-    """Return the points without those nearer to an earlier one than their radius."""
-    if not len(points):
-        return points
-    near = cKDTree(points).query_ball_point(points, 0.9 * radius)
-    taken = np.zeros(len(points), dtype=bool)
-    for number, others in enumerate(near):
-        taken[number] = not taken[others].any()
-    return points[taken]
+def _refined(draft: Draft, view: View, job: Job, bad: Bad) -> tuple[Draft, bool]:
+    """Return the draft with vertices added at bad triangles, and whether there are any."""
+    if not len(bad.triangles):
+        return draft, False
+    new, split = remedy(bad, view.points, view.front, job.sheet, job.edge_length)
+    stations = halved(job.bones, draft.stations, view.front, split)
+    free = np.concatenate([draft.free, new])
+    return Draft(tuple(stations), free), len(new) > 0 or bool(split.any())
 
 
 def _without_orphans(points: Floats, triangles: Ints) -> tuple[Floats, Ints]:

@@ -35,7 +35,7 @@ class Plane(Section):
                     "two numbers, the smaller first",
                 )
 
-    def sheet(self, edge_length: float) -> "PlaneSheet":  # noqa: ARG002
+    def sheet(self, edge_length: float) -> "PlaneSheet":
         """Return the exact surface (the same for every edge length)."""
         self.check()
         return PlaneSheet(self.x, self.y)
@@ -89,11 +89,11 @@ class PlaneSheet:
         inside &= (y >= self.y[0] - _EPSILON) & (y <= self.y[1] + _EPSILON)
         return np.where(inside, 0, -1)
 
-    def net(self, points: Floats, part: Ints) -> Floats:  # noqa: ARG002
+    def net(self, points: Floats, part: Ints) -> Floats:
         """Return x and y."""
         return points[:, :2].copy()
 
-    def frame(self, points: Floats, part: Ints) -> Floats:  # noqa: ARG002
+    def frame(self, points: Floats, part: Ints) -> Floats:
         """Return the unit vectors along x and y."""
         return np.broadcast_to(np.eye(3)[:2], (len(points), 2, 3)).copy()
 

@@ -29,7 +29,7 @@ class Sphere(Section):
         if not self.radius > 0:
             raise InputError("geometry.radius", f"{self.radius} is not positive", "above 0")
 
-    def sheet(self, edge_length: float) -> "SphereSheet":  # noqa: ARG002
+    def sheet(self, edge_length: float) -> "SphereSheet":
         """Return the exact surface (the same for every edge length)."""
         self.check()
         return SphereSheet(self.radius)
@@ -76,7 +76,7 @@ class SphereSheet:
         """Return 0 everywhere."""
         return np.zeros(len(points), dtype=np.int64)
 
-    def net(self, points: Floats, part: Ints) -> Floats:  # noqa: ARG002
+    def net(self, points: Floats, part: Ints) -> Floats:
         """Return theta in [0, pi] and phi in (-pi, pi]."""
         x, y, z = points.T
         return np.stack([np.arctan2(np.hypot(x, y), z), np.arctan2(y, x)], axis=1)

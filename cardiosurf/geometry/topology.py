@@ -36,7 +36,7 @@ def are_edges(pairs: Ints, triangles: Ints) -> Mask:
 def edge_vectors(points: Floats, triangles: Ints) -> Floats:
     """Return the edge vectors (m, 3, 3); edge i runs from vertex i + 1 to vertex i + 2."""
     corners = points[triangles]
-    return np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
+    return corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]
 
 
 def area_vectors(points: Floats, triangles: Ints) -> Floats:
@@ -48,7 +48,7 @@ def area_vectors(points: Floats, triangles: Ints) -> Floats:
 def angles(points: Floats, triangles: Ints) -> Floats:
     """Return the angle at each vertex of each triangle, (m, 3), in degrees."""
     sides = edge_vectors(points, triangles)
-    before, after = np.roll(sides, -1, axis=1), np.roll(sides, -2, axis=1)
+    before, after = sides[:, [1, 2, 0]], sides[:, [2, 0, 1]]
     sine = np.linalg.norm(np.cross(before, after), axis=2)
     cosine = -np.einsum("mik,mik->mi", before, after)
     return np.degrees(np.arctan2(sine, cosine))
@@ -70,11 +70,10 @@ def incidence(triangles: Ints, count: int) -> csr_array:
     return csr_array((np.ones(len(rows)), (rows, columns)), shape=(count, len(triangles)))
 
 
-def smallest_around(values: Floats, triangles: Ints, count: int) -> Floats:
-    """Return the least value (m,) among the triangles of each vertex, (count,)."""
-    order = np.argsort(triangles.ravel(), kind="stable")
-    spread = np.repeat(values, 3)[order]
-    used, start = np.unique(triangles.ravel()[order], return_index=True)
-    least = np.full(count, np.inf)
-    least[used] = np.minimum.reduceat(spread, start)
-    return least
+def sharpness(points: Floats, triangles: Ints) -> Floats:
+    """Return the smallest angle of each triangle, (m,), in degrees."""
+    sides = edge_vectors(points, triangles)
+    square = np.sort(np.einsum("mik,mik->mi", sides, sides), axis=1)
+    twice = 2.0 * np.linalg.norm(area_vectors(points, triangles), axis=1)
+    sine = twice / np.sqrt(np.maximum(square[:, 1] * square[:, 2], 1e-300))
+    return np.asarray(np.degrees(np.arcsin(np.minimum(sine, 1.0))))

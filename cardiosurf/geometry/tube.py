@@ -131,7 +131,7 @@ class Tube:
         lattice = window.lattice(spacing)
         outside = np.hypot(lattice[:, 0], lattice[:, 1]) > self.root
         plane = np.column_stack([np.zeros(len(lattice)), lattice])[outside]
-        rings = max(4, round(0.5 * np.pi * self.arc / spacing))
+        rings = max(4, round(0.5 * np.pi * self.arc / (np.sqrt(0.75) * spacing)))
         return np.concatenate([plane, *(self._ring(j, rings, spacing) for j in range(rings + 3))])
 
     def _ring(self, number: int, rings: int, spacing: float) -> Floats:

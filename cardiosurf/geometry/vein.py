@@ -52,7 +52,7 @@ class Vein(Section):
                 "root_radius < half_width",
             )
 
-    def sheet(self, edge_length: float) -> "VeinSheet":  # noqa: ARG002
+    def sheet(self, edge_length: float) -> "VeinSheet":
         """Return the exact surface (the same for every edge length)."""
         self.check()
         return VeinSheet(Tube(self.root_radius, self.tip_radius), self.half_width)
