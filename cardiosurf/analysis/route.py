@@ -147,10 +147,15 @@ def _crossed_fraction(activation: Map, inside: Mask, active: Mask, weights: Floa
     points = activation.points
     entrance = np.flatnonzero(weights)
     depth = distance_from(points, activation.triangles[inside], weights > 0)
-    reached = depth[np.isfinite(depth)]
-    behind = min(FRONT_WIDTH, 0.5 * float(reached.max()))
     edge = float(np.sqrt(np.median(_squared_edges(points, activation.triangles[inside]))))
-    layer = np.flatnonzero((depth >= behind) & (depth <= behind + 1.5 * edge))
+    own = np.flatnonzero(np.isfinite(depth))
+    nearest = cKDTree(points[entrance]).query(points[own])[1]
+    # a thin target is no deeper than this behind most of its entrance
+    thickness = np.zeros(len(entrance))
+    np.maximum.at(thickness, nearest, depth[own])
+    behind = min(FRONT_WIDTH, 0.5 * float(np.median(thickness)))
+    near = (depth[own] >= behind) & (depth[own] <= behind + 1.5 * edge)
+    layer, nearest = own[near], nearest[near]
     # what comes from the entrance carries the place where it came in
     labels = np.zeros((len(points), 4))
     labels[entrance, 0] = 1.0
@@ -162,7 +167,6 @@ def _crossed_fraction(activation: Map, inside: Mask, active: Mask, weights: Floa
         activation.lat,
         labels,
     )[layer]
-    nearest = cKDTree(points[entrance]).query(points[layer])[1]
     with np.errstate(invalid="ignore", divide="ignore"):
         came_in = carried[:, 1:] / carried[:, :1]
         drift = np.linalg.norm(came_in - points[entrance[nearest]], axis=1)

@@ -1,5 +1,6 @@
 """The command ``cardiosurf``."""
 
+import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -79,6 +80,15 @@ def cli() -> None:
     """
 
 
+def _heed_signals() -> None:
+    """Let Ctrl-C and SIGTERM end the process in order, wherever it is.
+
+    A process that a script starts in the background inherits an ignored Ctrl-C.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code.
 
@@ -88,6 +98,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         The command line after the program's name; that of the process by default.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
+    if arguments is None:
+        _heed_signals()
     try:
         with cli.make_context("cardiosurf", words) as context:
             cli.invoke(context)

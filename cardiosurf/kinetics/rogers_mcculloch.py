@@ -24,6 +24,4 @@ class RogersMcCulloch(Section):
 
     def rates(self, u: Floats, v: Floats) -> tuple[Floats, Floats]:
         """Return the reaction terms (f, g) of u and v, each (n,), in 1/tu."""
-        return self.c1 * u * (u - self.a) * (1.0 - u) - self.c2 * u * v, self.b1 * (
-            u - self.b2 * v
-        )
+        return self.c1 * u * (u - self.a) * (1.0 - u) - self.c2 * u * v, self.b1 * (u - self.b2 * v)
