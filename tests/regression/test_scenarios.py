@@ -20,7 +20,7 @@ def cases():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("scenario", "case"), cases())
+@pytest.mark.parametrize(("scenario", "case"), list(cases()))
 def test_the_verdict_is_the_expected_one(scenario, case, tmp_path):
     overrides = [f"{key}={json.dumps(value)}" for key, value in case.get("set", {}).items()]
     loaded = load(FOLDER / scenario["base"], overrides)
