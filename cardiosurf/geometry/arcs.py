@@ -11,6 +11,7 @@ from cardiosurf.geometry.sheet import Sheet
 
 # eight edges to a full turn at the least
 _TURN = 0.25 * np.pi
+_TURN_OF_A_CHORD = 0.3
 
 
 @dataclass(frozen=True)
@@ -57,12 +58,13 @@ class Piece:
 
     def followed_by(self, other: "Piece", corner: int) -> "Piece":
         """Return this piece and another one joined at a corner that both end in."""
-        first = self if self.ends[1] == corner else self._reversed()
-        second = other if other.ends[0] == corner else other._reversed()
+        first = self if self.ends[1] == corner else self.reversed()
+        second = other if other.ends[0] == corner else other.reversed()
         points = np.concatenate([first.points, second.points[1:]])
         return replace(self, points=points, ends=(first.ends[0], second.ends[1]))
 
-    def _reversed(self) -> "Piece":
+    def reversed(self) -> "Piece":
+        """Return the piece run through the other way."""
         return replace(self, points=self.points[::-1].copy(), ends=self.ends[::-1])
 
 
@@ -113,7 +115,7 @@ class Arc:
         first, second = here - before, after - here
         norms = np.linalg.norm(first, axis=1), np.linalg.norm(second, axis=1)
         turn = second / norms[1][:, None] - first / norms[0][:, None]
-        return 2.0 * turn / (norms[0] + norms[1])[:, None]
+        return np.asarray(2.0 * turn / (norms[0] + norms[1])[:, None])
 
     def stations(self, edge_length: float, sheet: Sheet) -> Floats:
         """Return arclengths that cut the arc into edges of about edge_length.
@@ -126,11 +128,14 @@ class Arc:
         density = np.maximum(1.0 / edge_length, bend / _TURN)
         steps = 0.5 * (density[1:] + density[:-1]) * np.diff(fine)
         total = np.concatenate([[0.0], np.cumsum(steps)])
-        least = 3 if self.loop else (2 if self.ends[0] == self.ends[1] else 1)
+        turn = float((0.5 * (bend[1:] + bend[:-1]) * np.diff(fine)).sum())
+        # a single chord cannot be balanced
+        balanced = 2 if self.soft and turn > _TURN_OF_A_CHORD else 1
+        least = 3 if self.loop else (2 if self.ends[0] == self.ends[1] else balanced)
         count = max(least, round(float(total[-1])))
         wanted = np.arange(count + 1) * total[-1] / count
         found = np.interp(wanted, total, fine)
-        return found[:-1] if self.loop else found
+        return np.asarray(found[:-1] if self.loop else found)
 
     def places(self, stations: Floats, sheet: Sheet) -> Floats:
         """Return the mesh points (n, 3) at the stations.

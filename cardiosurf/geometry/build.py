@@ -7,9 +7,10 @@ import numpy as np
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.errors import InputError
-from cardiosurf.geometry.membership import check_region, contains
+from cardiosurf.geometry.membership import contains
 from cardiosurf.geometry.mesher import mesh
 from cardiosurf.geometry.regions import Region
+from cardiosurf.geometry.sense import check_region
 from cardiosurf.geometry.sheet import Sheet
 from cardiosurf.geometry.skeleton import skeleton
 from cardiosurf.geometry.surface import Surface
@@ -60,7 +61,8 @@ def build_surface(shape: Shape, edge_length: float, regions: Mapping[str, Region
         )
     for name, region in regions.items():
         check_region(region, sheet, f"region {name}")
-    points, triangles = mesh(sheet, skeleton(sheet, regions, edge_length), edge_length)
+    edge = min(edge_length, sheet.coarsest)
+    points, triangles = mesh(sheet, skeleton(sheet, regions, edge), edge)
     return _labelled(sheet, points, triangles, regions)
 
 
@@ -74,7 +76,8 @@ def points_inside(region: Region, shape: Shape, points: Floats, where: str = "re
     """
     sheet = shape.sheet(0.0)
     check_region(region, sheet, where)
-    return contains(region, sheet, sheet.project(points))
+    exact = sheet.project(points)
+    return contains(region, sheet, exact, sheet.part_of(exact))
 
 
 def _labelled(

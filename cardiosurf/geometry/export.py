@@ -42,7 +42,7 @@ def write_mesh(surface: Surface, path: Path | str) -> None:
             meshio.write(path, meshio.Mesh(surface.points, cells))
         except (meshio.WriteError, KeyError, ValueError) as problem:
             raise _unwritable(path, problem) from problem
-    except (OSError, KeyError, ValueError) as problem:
+    except (OSError, KeyError, ValueError, meshio.ReadError) as problem:
         raise _unwritable(path, problem) from problem
 
 

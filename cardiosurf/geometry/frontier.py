@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from cardiosurf.arrays import Floats, Ints, Mask
+from cardiosurf.geometry.arcs import Arc
 from cardiosurf.geometry.sheet import Sheet
 from cardiosurf.geometry.skeleton import Skeleton
 
@@ -55,16 +56,38 @@ class Frontier:
         return least
 
 
-def frontier(bones: Skeleton, stations: Sequence[Floats], sheet: Sheet) -> Frontier:
-    """Return the vertices and edges that the stations make on the arcs."""
-    points, segments, arc_of, slot = [bones.corners], [], [], []
-    start = len(bones.corners)
-    for number, (arc, at) in enumerate(zip(bones.arcs, stations, strict=True)):
-        places = arc.places(at, sheet)
-        inner = places if arc.loop else places[1:-1]
+@dataclass(frozen=True)
+class Line:
+    """The vertices of one arc: their arclengths (k,) and places (k, 3)."""
+
+    arc: Arc
+    stations: Floats
+    places: Floats
+
+    def halved(self, slots: Ints, sheet: Sheet) -> "Line":
+        """Return the line with one more vertex in the middle of each of the intervals."""
+        arc, at = self.arc, self.stations
+        around = np.concatenate([at, [at[0] + arc.length]]) if arc.loop else at
+        middle = 0.5 * (around[slots] + around[slots + 1])
+        return line(arc, np.sort(np.concatenate([at, middle])), sheet)
+
+
+def line(arc: Arc, stations: Floats, sheet: Sheet) -> Line:
+    """Return the line with vertices at the arclengths."""
+    return Line(arc, stations, arc.places(stations, sheet))
+
+
+def frontier(corners: Floats, lines: Sequence[Line]) -> Frontier:
+    """Return the vertices and edges of the lines between the corners (c, 3)."""
+    points, segments, arc_of, slot = [corners], [], [], []
+    start = len(corners)
+    for number, one in enumerate(lines):
+        inner = one.places if one.arc.loop else one.places[1:-1]
         names = start + np.arange(len(inner))
-        ends = (names[0], names[0]) if arc.loop else arc.ends
-        along = np.concatenate([names, [ends[1]]] if arc.loop else [[ends[0]], names, [ends[1]]])
+        if one.arc.loop:
+            along = np.concatenate([names, names[:1]])
+        else:
+            along = np.concatenate([[one.arc.ends[0]], names, [one.arc.ends[1]]])
         points.append(inner)
         segments.append(np.stack([along[:-1], along[1:]], axis=1))
         arc_of.append(np.full(len(along) - 1, number))
@@ -72,49 +95,44 @@ def frontier(bones: Skeleton, stations: Sequence[Floats], sheet: Sheet) -> Front
         start += len(inner)
     if not segments:
         none = np.empty(0, dtype=np.int64)
-        return Frontier(bones.corners, none.reshape(0, 2), none, none, none, np.empty(0), 0)
+        return Frontier(corners, none.reshape(0, 2), none, none, none, np.empty(0), 0)
     every, pairs = np.concatenate(points), np.concatenate(segments)
-    lengths = np.linalg.norm(every[pairs[:, 1]] - every[pairs[:, 0]], axis=1)
-    numbers = np.arange(-1, len(bones.arcs))
     return Frontier(
         points=every,
         segments=pairs,
         arc_of=np.concatenate(arc_of),
         slot=np.concatenate(slot),
-        arc_at=np.repeat(numbers, [len(one) for one in points]),
-        lengths=lengths,
-        corners=len(bones.corners),
+        arc_at=np.repeat(np.arange(-1, len(lines)), [len(one) for one in points]),
+        lengths=np.linalg.norm(every[pairs[:, 1]] - every[pairs[:, 0]], axis=1),
+        corners=len(corners),
     )
 
 
-def halved(
-    bones: Skeleton, stations: Sequence[Floats], front: Frontier, which: Mask
-) -> list[Floats]:
-    """Return the stations with one more in the middle of each of the segments marked."""
-    new = list(stations)
-    for number in np.unique(front.arc_of[which]):
-        arc, at = bones.arcs[number], stations[number]
+def halved(lines: Sequence[Line], front: Frontier, which: Mask, sheet: Sheet) -> tuple[Line, ...]:
+    """Return the lines with one more vertex in the middle of each of the segments marked."""
+    new = list(lines)
+    for number in np.unique(front.arc_of[which]).tolist():
         slots = front.slot[which & (front.arc_of == number)]
-        around = np.concatenate([at, [at[0] + arc.length]]) if arc.loop else at
-        middle = 0.5 * (around[slots] + around[slots + 1])
-        new[number] = np.sort(np.concatenate([at, middle]))
-    return new
+        new[number] = lines[number].halved(slots, sheet)
+    return tuple(new)
 
 
-def first_stations(bones: Skeleton, edge_length: float, floor: float, sheet: Sheet) -> list[Floats]:
-    """Return stations about edge_length apart, closer where two arcs run close to each other.
+def first_lines(
+    bones: Skeleton, edge_length: float, floor: float, sheet: Sheet
+) -> tuple[Line, ...]:
+    """Return lines with vertices about edge_length apart, closer where arcs run side by side.
 
     A segment is halved while a vertex of another one lies in the circle around it, but not below
     the length ``floor``.
     """
-    stations = [arc.stations(edge_length, sheet) for arc in bones.arcs]
+    lines = tuple(line(arc, arc.stations(edge_length, sheet), sheet) for arc in bones.arcs)
     for _ in range(_ROUNDS):
-        front = frontier(bones, stations, sheet)
+        front = frontier(bones.corners, lines)
         crowded = _crowded(front) & (front.lengths > floor)
         if not crowded.any():
             break
-        stations = halved(bones, stations, front, crowded)
-    return _evened(bones, stations, frontier(bones, stations, sheet))
+        lines = halved(lines, front, crowded, sheet)
+    return _evened(lines, frontier(bones.corners, lines), sheet)
 
 
 def sizes(front: Frontier, edge_length: float, points: Floats) -> Floats:
@@ -125,10 +143,10 @@ def sizes(front: Frontier, edge_length: float, points: Floats) -> Floats:
     if not small.any() or not len(points):
         return wanted
     tree = cKDTree(front.points[small])
-    away, which = tree.query(points, k=min(8, tree.n), distance_upper_bound=3.0 * edge_length)
-    away, which = away.reshape(len(points), -1), which.reshape(len(points), -1)
+    near = tree.query(points, k=min(8, tree.n), distance_upper_bound=3.0 * edge_length)
+    away, which = (np.asarray(one).reshape(len(points), -1) for one in near)
     reached = np.append(spacing[small], np.inf)[which] + _GROWTH * away
-    return np.minimum(wanted, reached.min(axis=1))
+    return np.asarray(np.minimum(wanted, reached.min(axis=1)))
 
 
 def wedges(front: Frontier) -> list[tuple[int, int, int]]:
@@ -148,12 +166,12 @@ def wedges(front: Frontier) -> list[tuple[int, int, int]]:
     return found
 
 
-def _evened(bones: Skeleton, stations: Sequence[Floats], front: Frontier) -> list[Floats]:
-    """Return the stations with the first ones equally far along both arcs of a sharp corner.
+def _evened(lines: Sequence[Line], front: Frontier, sheet: Sheet) -> tuple[Line, ...]:
+    """Return the lines with first vertices equally far along both arcs of a sharp corner.
 
     Vertices at equal distances keep the triangles between the arcs as good as the corner allows.
     """
-    new = list(stations)
+    new = list(lines)
     nearest: dict[int, float] = {}
     sides: list[tuple[int, int]] = []
     for corner, *pair in wedges(front):
@@ -162,17 +180,17 @@ def _evened(bones: Skeleton, stations: Sequence[Floats], front: Frontier) -> lis
         sides += [(corner, one) for one in pair]
     for corner, segment in dict.fromkeys(sides):
         number = int(front.arc_of[segment])
-        arc, at = bones.arcs[number], new[number]
+        arc, at = new[number].arc, new[number].stations
         if len(at) < 3:
             continue
         wanted = nearest[corner]
         if arc.ends[0] == corner and front.slot[segment] == 0:
-            rest = at[at > 1.5 * wanted]
-            new[number] = np.concatenate([[0.0, wanted], rest])
+            at = np.concatenate([[0.0, wanted], at[at > 1.5 * wanted]])
         else:
             rest = at[at < arc.length - 1.5 * wanted]
-            new[number] = np.concatenate([rest, [arc.length - wanted, arc.length]])
-    return new
+            at = np.concatenate([rest, [arc.length - wanted, arc.length]])
+        new[number] = line(arc, at, sheet)
+    return tuple(new)
 
 
 def _crowded(front: Frontier) -> Mask:

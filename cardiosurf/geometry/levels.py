@@ -43,7 +43,7 @@ class FlatLevel:
 
     def value(self, points: Floats) -> Floats:
         """Return the signed distance from the plane, (n,)."""
-        return points @ np.asarray(self.normal) - self.offset
+        return np.asarray(points @ np.asarray(self.normal) - self.offset)
 
     def gradient(self, points: Floats) -> Floats:
         """Return the plane's normal at every point, (n, 3)."""
@@ -64,12 +64,12 @@ class BallLevel:
 
     def value(self, points: Floats) -> Floats:
         """Return the signed distance from the sphere, (n,)."""
-        return np.linalg.norm(points - np.asarray(self.centre), axis=1) - self.radius
+        return np.asarray(np.linalg.norm(points - np.asarray(self.centre), axis=1) - self.radius)
 
     def gradient(self, points: Floats) -> Floats:
         """Return the unit vectors away from the centre, (n, 3)."""
         away = points - np.asarray(self.centre)
-        return away / np.maximum(np.linalg.norm(away, axis=1), 1e-300)[:, None]
+        return np.asarray(away / np.maximum(np.linalg.norm(away, axis=1), 1e-300)[:, None])
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ _PARALLEL = 1e-8
 
 def tangential(vectors: Floats, normals: Floats) -> Floats:
     """Return the vectors (n, 3) without their components along the unit normals (n, 3)."""
-    return vectors - np.einsum("nk,nk->n", vectors, normals)[:, None] * normals
+    return np.asarray(vectors - np.einsum("nk,nk->n", vectors, normals)[:, None] * normals)
 
 
 def onto_level(points: Floats, level: Level, sheet: Sheet, reach: float) -> Floats:
@@ -89,17 +89,17 @@ def onto_crossing(
 def limited(steps: Floats, reach: float) -> Floats:
     """Return the steps (n, 3), none longer than reach."""
     length = np.linalg.norm(steps, axis=1)
-    return steps * np.minimum(1.0, reach / np.maximum(length, 1e-300))[:, None]
+    return np.asarray(steps * np.minimum(1.0, reach / np.maximum(length, 1e-300))[:, None])
 
 
 def _both(
     points: Floats, pairs: Ints, levels: Sequence[Level], sheet: Sheet
 ) -> tuple[Floats, Floats]:
     value, slope = np.empty(pairs.shape), np.empty((*pairs.shape, 3))
-    for number in np.unique(pairs):
-        at, side = np.nonzero(pairs == number)
-        value[at, side] = levels[number].value(points[at])
-        slope[at, side] = levels[number].gradient(points[at])
+    for number in np.unique(pairs).tolist():
+        at, which = np.nonzero(pairs == number)
+        value[at, which] = levels[number].value(points[at])
+        slope[at, which] = levels[number].gradient(points[at])
     normal = sheet.normal(points)
     for side in range(2):
         slope[:, side] = tangential(slope[:, side], normal)

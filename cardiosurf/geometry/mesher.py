@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.errors import NumericalError
-from cardiosurf.geometry.frontier import Frontier, first_stations, frontier, halved, sizes
+from cardiosurf.geometry.frontier import Frontier, Line, first_lines, frontier, halved, sizes
 from cardiosurf.geometry.refinement import FLOOR, Bad, bad_triangles, remedy
 from cardiosurf.geometry.sheet import Sheet
 from cardiosurf.geometry.skeleton import Skeleton
@@ -24,7 +24,7 @@ _FINAL_SWEEPS = 30
 _ASKED = 27.0
 _ENOUGH = 22.0
 _PATIENCE = 30
-_TRIES = 5
+_TRIES = 3
 # part of a mesh is looked at in a zone: in units of the edge length, how far around it vertices
 # are triangulated, which of the triangles can be trusted, and which are judged
 _AROUND = 10.0
@@ -43,9 +43,9 @@ class Job:
 
 @dataclass(frozen=True)
 class Draft:
-    """A mesh in the making: where its vertices on the skeleton are, and the free ones."""
+    """A mesh in the making: its vertices on the skeleton's arcs, and the free ones (f, 3)."""
 
-    stations: tuple[Floats, ...]
+    lines: tuple[Line, ...]
     free: Floats
 
 
@@ -92,14 +92,13 @@ def mesh(sheet: Sheet, bones: Skeleton, edge_length: float) -> tuple[Floats, Int
         If an arc cannot be followed.
     """
     job = Job(sheet, bones, edge_length)
-    floor = FLOOR * edge_length
-    stations = tuple(first_stations(bones, edge_length, floor, sheet))
-    draft = _smoothed(Draft(stations, _scattered(job, stations)), job)
+    lines = first_lines(bones, edge_length, FLOOR * edge_length, sheet)
+    draft = _smoothed(Draft(lines, _scattered(job, lines)), job)
     best, worst, zone, wholes = None, -1.0, None, 0
     for number in range(_ROUNDS):
         view = _seen(draft, job, zone)
         if view.lost.any():
-            draft = _recovered(draft, bones, view)
+            draft = _recovered(draft, view, sheet)
             continue
         points = improved(view.points, view.triangles, view.free, sheet, sweeps=_SWEEPS)
         view = replace(view, points=points)
@@ -119,11 +118,11 @@ def mesh(sheet: Sheet, bones: Skeleton, edge_length: float) -> tuple[Floats, Int
     return _without_orphans(points, best.triangles)
 
 
-def _scattered(job: Job, stations: tuple[Floats, ...]) -> Floats:
+def _scattered(job: Job, lines: tuple[Line, ...]) -> Floats:
     """Return seeds that are clear of the skeleton."""
     seeds = job.sheet.seeds(job.edge_length)
     seeds = seeds[job.sheet.part_of(seeds) >= 0]
-    front = frontier(job.bones, stations, job.sheet)
+    front = frontier(job.bones.corners, lines)
     if not len(front.segments):
         return seeds
     wanted = sizes(front, job.edge_length, seeds)
@@ -135,7 +134,7 @@ def _smoothed(draft: Draft, job: Job) -> Draft:
     for number in range(_SMOOTH_ROUNDS):
         view = _seen(draft, job, None)
         if view.lost.any():
-            draft = _recovered(draft, job.bones, view)
+            draft = _recovered(draft, view, job.sheet)
             continue
         moved = relaxed(view.points, view.triangles, view.free, job.sheet)
         draft = replace(draft, free=moved[len(view.front.points) :])
@@ -146,23 +145,23 @@ def _smoothed(draft: Draft, job: Job) -> Draft:
 
 def _seen(draft: Draft, job: Job, zone: Floats | None) -> View:
     """Return the draft triangulated: all of it, or around the zone's points (k, 3)."""
-    front = frontier(job.bones, draft.stations, job.sheet)
+    front = frontier(job.bones.corners, draft.lines)
     points = np.concatenate([front.points, draft.free])
     away = np.zeros(len(points))
     if zone is not None:
-        away = cKDTree(zone).query(points, distance_upper_bound=_AROUND * job.edge_length)[0]
-        away = away / job.edge_length
+        reach = _AROUND * job.edge_length
+        found, _ = cKDTree(zone).query(points, distance_upper_bound=reach)
+        away = np.asarray(found) / job.edge_length
     near = np.flatnonzero(np.isfinite(away))
     triangles, centres = job.sheet.triangulate(points[near])
     triangles = near[triangles[job.sheet.part_of(centres) >= 0]]
     triangles = triangles[(away[triangles] < _TRUSTED).all(axis=1)]
-    judged = away < _JUDGED
-    lost = judged[front.segments].all(axis=1)
-    lost[lost] = ~are_edges(front.segments[lost], triangles)
+    judged = np.asarray(away < _JUDGED)
+    lost = judged[front.segments].all(axis=1) & ~are_edges(front.segments, triangles)
     return View(front, points, triangles, judged, lost)
 
 
-def _recovered(draft: Draft, bones: Skeleton, view: View) -> Draft:
+def _recovered(draft: Draft, view: View, sheet: Sheet) -> Draft:
     """Remove the free vertices in the circles of lost segments; halve those that have none."""
     front, lost = view.front, view.lost
     crowd = np.zeros(len(draft.free), dtype=bool)
@@ -172,8 +171,7 @@ def _recovered(draft: Draft, bones: Skeleton, view: View) -> Draft:
         for number, found in zip(np.flatnonzero(lost), near, strict=True):
             crowd[found] = True
             alone[number] = not found
-    stations = halved(bones, draft.stations, front, alone)
-    return Draft(tuple(stations), draft.free[~crowd])
+    return Draft(halved(draft.lines, front, alone, sheet), draft.free[~crowd])
 
 
 def _thinned(draft: Draft, view: View, edge_length: float) -> Draft:
@@ -203,9 +201,8 @@ def _refined(draft: Draft, view: View, job: Job, bad: Bad) -> tuple[Draft, bool]
     if not len(bad.triangles):
         return draft, False
     new, split = remedy(bad, view.points, view.front, job.sheet, job.edge_length)
-    stations = halved(job.bones, draft.stations, view.front, split)
-    free = np.concatenate([draft.free, new])
-    return Draft(tuple(stations), free), len(new) > 0 or bool(split.any())
+    lines = halved(draft.lines, view.front, split, job.sheet)
+    return Draft(lines, np.concatenate([draft.free, new])), len(new) > 0 or bool(split.any())
 
 
 def _without_orphans(points: Floats, triangles: Ints) -> tuple[Floats, Ints]:

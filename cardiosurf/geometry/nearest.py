@@ -70,4 +70,4 @@ def _weights(corners: Floats, target: Floats) -> Floats:
     places = np.einsum("jki,kid->jkd", stacked, corners)
     distance = np.linalg.norm(places - target, axis=2)
     distance[0, (inner < 0).any(axis=1)] = np.inf
-    return stacked[np.argmin(distance, axis=0), np.arange(len(corners))]
+    return np.asarray(stacked[np.argmin(distance, axis=0), np.arange(len(corners))])

@@ -57,6 +57,11 @@ class PlaneSheet:
         """Square root of the area."""
         return float(np.sqrt(Window(self.x, self.y).area()))
 
+    @property
+    def coarsest(self) -> float:
+        """No limit: the surface is flat."""
+        return np.inf
+
     def levels(self) -> tuple[Level, ...]:
         """Return the levels of the four edges."""
         return (
@@ -76,7 +81,7 @@ class PlaneSheet:
 
     def project(self, points: Floats) -> Floats:
         """Return the points with z = 0."""
-        return points * np.array([1.0, 1.0, 0.0])
+        return np.asarray(points * np.array([1.0, 1.0, 0.0]))
 
     def normal(self, points: Floats) -> Floats:
         """Return +z everywhere."""
@@ -101,7 +106,7 @@ class PlaneSheet:
         """Return the nearest of the four edges."""
         x, y = points[:, 0], points[:, 1]
         away = [x - self.x[0], self.x[1] - x, y - self.y[0], self.y[1] - y]
-        return np.argmin(np.abs(away), axis=0).astype(np.int64)
+        return np.asarray(np.argmin(np.abs(away), axis=0).astype(np.int64))
 
     def seeds(self, spacing: float) -> Floats:
         """Return a hexagonal lattice."""

@@ -39,6 +39,11 @@ class Sheet(Protocol):
         """Square root of the surface's area, roughly, in su."""
         ...
 
+    @property
+    def coarsest(self) -> float:
+        """Longest edge that still shows the surface's shape, in su."""
+        ...
+
     def levels(self) -> tuple[Level, ...]:
         """Return the levels whose zero sets hold the open edges and the part boundaries."""
         ...

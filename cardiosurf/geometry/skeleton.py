@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.geometry.arcs import Arc, Piece, made_even
-from cardiosurf.geometry.levels import Level
+from cardiosurf.geometry.levels import Key, Level
 from cardiosurf.geometry.locate import onto_level, tangential
 from cardiosurf.geometry.membership import contains, levels_of
 from cardiosurf.geometry.regions import Region
@@ -71,11 +72,10 @@ def skeleton(sheet: Sheet, regions: Mapping[str, Region], edge_length: float) ->
 
 
 def _unlike(levels: Sequence[Level]) -> tuple[Level, ...]:
-    return tuple({level.key: level for level in reversed(levels)}[key] for key in _keys(levels))
-
-
-def _keys(levels: Sequence[Level]) -> list[object]:
-    return list(dict.fromkeys(level.key for level in levels))
+    first: dict[Key, Level] = {}
+    for level in levels:
+        first.setdefault(level.key, level)
+    return tuple(first.values())
 
 
 def _follows_earlier(chain: Chain, earlier: Sequence[Level], sheet: Sheet, same: float) -> bool:
@@ -135,10 +135,7 @@ def _split(chain: Chain, corners: Floats, sets: list[set[int]], reach: float) ->
         whole = (Piece(chain.level, chain.points, (-1, -1)),)
         return list(whole) if chain.closed else []
     stops = list(zip(mine.tolist(), place.tolist(), strict=True))
-    pieces = [
-        _between(chain, past, corners, one, other)
-        for one, other in zip(stops[:-1], stops[1:], strict=True)
-    ]
+    pieces = [_between(chain, past, corners, one, other) for one, other in pairwise(stops)]
     if chain.closed:
         first = (stops[0][0], stops[0][1] + past[-1])
         pieces.append(_between(chain, past, corners, stops[-1], first))

@@ -50,6 +50,11 @@ class SphereSheet:
         """Square root of the area."""
         return float(self.radius * np.sqrt(4.0 * np.pi))
 
+    @property
+    def coarsest(self) -> float:
+        """Half the radius."""
+        return 0.5 * self.radius
+
     def levels(self) -> tuple[Level, ...]:
         """Return nothing: one part, no open edges."""
         return ()
@@ -70,7 +75,7 @@ class SphereSheet:
 
     def normal(self, points: Floats) -> Floats:
         """Return the outward unit vectors."""
-        return points / np.maximum(np.linalg.norm(points, axis=1), 1e-300)[:, None]
+        return np.asarray(points / np.maximum(np.linalg.norm(points, axis=1), 1e-300)[:, None])
 
     def part_of(self, points: Floats) -> Ints:
         """Return 0 everywhere."""
@@ -124,7 +129,7 @@ def _icosahedron() -> Floats:
     golden = 0.5 * (1.0 + np.sqrt(5.0))
     base = np.array([[0.0, s, t * golden] for s in (-1.0, 1.0) for t in (-1.0, 1.0)])
     corners = np.concatenate([np.roll(base, turn, axis=1) for turn in range(3)])
-    return corners / np.linalg.norm(corners[0])
+    return np.asarray(corners / np.linalg.norm(corners[0]))
 
 
 def _equalised(weights: Floats) -> Floats:
@@ -133,4 +138,4 @@ def _equalised(weights: Floats) -> Floats:
     half = 0.5 * np.arctan(2.0)
     bent = np.tan(half * (2.0 * weights - 1.0)) + np.tan(half)
     bent[weights < 1e-12] = 0.0
-    return bent / bent.sum(axis=1, keepdims=True)
+    return np.asarray(bent / bent.sum(axis=1, keepdims=True))

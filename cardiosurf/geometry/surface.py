@@ -51,6 +51,7 @@ class Surface:
         return np.asarray(np.linalg.norm(area_vectors(self.points, self.triangles), axis=1))
 
     def vertex_areas(self) -> Floats:
-        """Return the area that belongs to each vertex (a third of its triangles'), (n,), in su^2."""
+        """Return the area of each vertex (a third of its triangles'), (n,), in su^2."""
         shares = np.repeat(self.areas() / 3.0, 3)
-        return np.bincount(self.triangles.ravel(), weights=shares, minlength=len(self.points))
+        total = np.bincount(self.triangles.ravel(), weights=shares, minlength=len(self.points))
+        return total.astype(np.float64)

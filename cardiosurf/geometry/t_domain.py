@@ -101,6 +101,11 @@ class TDomainSheet:
     def _window(self) -> Window:
         return Window((-self.length, self.length), (-self.right_half_width, self.right_half_width))
 
+    @property
+    def coarsest(self) -> float:
+        """No limit: the circles and the rings of the vein have their own."""
+        return np.inf
+
     def levels(self) -> tuple[Level, ...]:
         """Return the levels of the root circle, the tip and all straight edges."""
         tube = self.tube

@@ -22,7 +22,7 @@ def open_edges(triangles: Ints) -> Ints:
     half = triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2)
     _, numbers = numbered_edges(triangles)
     single = np.bincount(numbers.ravel()) == 1
-    return half[single[numbers.ravel()]]
+    return np.asarray(half[single[numbers.ravel()]])
 
 
 def are_edges(pairs: Ints, triangles: Ints) -> Mask:
@@ -51,7 +51,7 @@ def angles(points: Floats, triangles: Ints) -> Floats:
     before, after = sides[:, [1, 2, 0]], sides[:, [2, 0, 1]]
     sine = np.linalg.norm(np.cross(before, after), axis=2)
     cosine = -np.einsum("mik,mik->mi", before, after)
-    return np.degrees(np.arctan2(sine, cosine))
+    return np.asarray(np.degrees(np.arctan2(sine, cosine)))
 
 
 def circumcentres(points: Floats, triangles: Ints) -> tuple[Floats, Floats]:

@@ -81,10 +81,10 @@ def follow(number: int, level: Level, ground: Background, sheet: Sheet) -> list[
     hits = place[ground.edges_of]
     hits = hits[(hits >= 0).sum(axis=1) == 2]
     links = np.sort(hits, axis=1)[:, 1:]
-    return [
-        Chain(number, _without_repeats(points[order], ground.spacing), closed)
-        for order, closed in _walks(links, len(crossed))
-    ]
+    walks = _walks(links, len(crossed))
+    curves = [(_without_repeats(points[order], ground.spacing), closed) for order, closed in walks]
+    # a plane that only touches the surface leaves a single point
+    return [Chain(number, curve, closed) for curve, closed in curves if len(curve) > 2]
 
 
 def crossings(
@@ -196,7 +196,7 @@ def _bisected(level: Level, ends: Floats, sheet: Sheet) -> Floats:
 def _without_repeats(points: Floats, spacing: float) -> Floats:
     step = np.linalg.norm(np.diff(points, axis=0), axis=1)
     keep = np.concatenate([[True], step > 1e-7 * spacing])
-    return points[keep]
+    return np.asarray(points[keep])
 
 
 def _walks(links: Ints, count: int) -> list[tuple[Ints, bool]]:

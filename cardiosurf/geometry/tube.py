@@ -118,7 +118,7 @@ class Tube:
     def _mu(self, theta: Floats) -> Floats:
         slope = (self.root * np.tan(0.5 * theta) - self.arc) / self._slant
         start = np.arctan(-self.arc / self._slant)
-        return 2.0 * self.arc / self._slant * (np.arctan(slope) - start)
+        return np.asarray(2.0 * self.arc / self._slant * (np.arctan(slope) - start))
 
     def triangulate(self, points: Floats) -> tuple[Ints, Floats]:
         """Return the Delaunay triangles in the chart, and a surface point inside each."""

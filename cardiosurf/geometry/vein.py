@@ -13,15 +13,17 @@ from cardiosurf.geometry.tube import Tube
 from cardiosurf.sections import Positive, Section
 
 _EPSILON = 1e-9
+# below this share of the root the vein's chart is too small at the tip for double precision
+NARROWEST = 0.04
 
 
 def check_radii(root_radius: float, tip_radius: float) -> None:
-    """Raise InputError unless 0 < tip < root."""
-    if not 0 < tip_radius < root_radius:
+    """Raise InputError unless root / 25 <= tip < root."""
+    if not 0 < NARROWEST * root_radius * (1.0 - 1e-9) <= tip_radius < root_radius:
         raise InputError(
             "geometry.tip_radius",
             f"{tip_radius} with root_radius {root_radius}",
-            "0 < tip_radius < root_radius",
+            f"{NARROWEST * root_radius:g} <= tip_radius < {root_radius:g} (root_radius)",
             "the arc of the vein has the radius root_radius - tip_radius",
         )
 
@@ -77,6 +79,11 @@ class VeinSheet:
     @property
     def _window(self) -> Window:
         return Window((-self.half_width, self.half_width), (-self.half_width, self.half_width))
+
+    @property
+    def coarsest(self) -> float:
+        """No limit: the circles and the rings of the vein have their own."""
+        return np.inf
 
     def levels(self) -> tuple[Level, ...]:
         """Return the levels of the root circle, the tip and the square's sides."""

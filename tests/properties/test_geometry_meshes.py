@@ -1,0 +1,114 @@
+"""Whatever the regions, the mesh stays a good mesh of the whole surface."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+
+from cardiosurf.errors import InputError
+from cardiosurf.geometry import AnyShape, Plane, Sphere, Surface, Vein, build_surface
+from cardiosurf.geometry.quality import quality
+from cardiosurf.geometry.regions import (
+    Ball,
+    BallLimits,
+    Box,
+    BoxLimits,
+    HalfSpace,
+    HalfSpaceLimits,
+    Region,
+)
+
+FEW = settings(
+    max_examples=5,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
+)
+MANY = settings(FEW, max_examples=60)
+SMALL_VEIN = Vein(root_radius=20.0, tip_radius=10.0, half_width=30.0)
+
+places = st.floats(-25.0, 25.0)
+spans = st.tuples(places, st.floats(2.0, 30.0)).map(lambda pair: (pair[0], pair[0] + pair[1]))
+boxes = st.builds(lambda x, y: Box(BoxLimits(x=x, y=y)), st.none() | spans, st.none() | spans)
+balls = st.builds(
+    lambda x, y, z, r: Ball(BallLimits((x, y, z), r)), places, places, places, st.floats(4.0, 30.0)
+)
+slants = st.builds(
+    lambda x, y, z, c: HalfSpace(HalfSpaceLimits((x, y, z + 0.01), c)),
+    *([st.floats(-1.0, 1.0)] * 3),
+    st.floats(-15.0, 15.0),
+)
+regions = st.one_of(boxes, balls, slants)
+
+
+def built(shape: AnyShape, edge_length: float, *marks: Region) -> Surface:
+    names = {f"mark {number}": region for number, region in enumerate(marks)}
+    try:
+        return build_surface(shape, edge_length, names)
+    except InputError as error:
+        assume("holds no part" not in error.problem)
+        raise
+
+
+def assert_whole(surface: Surface, euler: int) -> None:
+    found = quality(surface)
+    assert (found.components, found.duplicates, found.orphans, found.crossed) == (1, 0, 0, 0)
+    assert found.euler == euler
+    first, second = surface.frame[:, 0], surface.frame[:, 1]
+    corners = surface.points[surface.triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    np.testing.assert_allclose(np.cross(first, second), normal, atol=1e-12)
+
+
+@FEW
+@given(regions, regions)
+def test_the_plane_keeps_its_area(one: Region, other: Region) -> None:
+    surface = built(Plane(x=(-30.0, 30.0), y=(-20.0, 20.0)), 2.5, one, other)
+    assert_whole(surface, euler=1)
+    # straight edges and flat triangles: only rounding
+    assert surface.areas().sum() == pytest.approx(2400.0, rel=1e-12)
+
+
+@FEW
+@given(regions, regions)
+def test_the_sphere_keeps_its_area(one: Region, other: Region) -> None:
+    surface = built(Sphere(radius=25.0), 2.0, one, other)
+    assert_whole(surface, euler=2)
+    # 5/24 h^2 / R^2 is lost to flat triangles of edge h; uneven ones lose up to a half more
+    lost = 1.0 - surface.areas().sum() / (4.0 * np.pi * 625.0)
+    assert 0.0 < lost < 1.5 * 5.0 / 24.0 * (2.0 / 25.0) ** 2
+    np.testing.assert_allclose(np.linalg.norm(surface.points, axis=1), 25.0, atol=1e-9)
+
+
+@FEW
+@given(regions)
+def test_the_vein_keeps_its_area(region: Region) -> None:
+    surface = built(SMALL_VEIN, 2.0, region)
+    assert_whole(surface, euler=0)
+    exact = 3600.0 - 400.0 * np.pi + 2.0 * np.pi * 10.0 * (10.0 * np.pi - 10.0)
+    # h / R = 0.2 on the vein: (h / R)^2 5 / 24 is 0.8 % of it, 0.3 % of the whole
+    assert surface.areas().sum() == pytest.approx(exact, rel=4e-3)
+
+
+@FEW
+@given(spans, spans, st.floats(0.0, np.pi))
+def test_straight_cuts_crossing_at_40_degrees_or_more(
+    first: tuple[float, float], second: tuple[float, float], turn: float
+) -> None:
+    # two strips between parallel lines, one turned against the other, on a disc-like plane whose
+    # own edges they may meet at any angle above 40 degrees
+    assume(min(abs(np.sin(turn)), abs(np.cos(turn))) > np.sin(np.radians(40.0)))
+    marks = [Box(BoxLimits(x=first))]
+    normal = (float(np.cos(turn)), float(np.sin(turn)), 0.0)
+    marks_turned = [HalfSpace(HalfSpaceLimits(normal, second[0]))]
+    surface = built(Plane(x=(-40.0, 40.0), y=(-40.0, 40.0)), 2.5, *marks, *marks_turned)
+    assert quality(surface).smallest_angle >= 20.0
+
+
+@pytest.mark.slow
+@MANY
+@given(st.lists(regions, min_size=2, max_size=4), st.floats(1.0, 10.0))
+def test_any_regions_at_any_edge_length(marks: list[Region], edge_length: float) -> None:
+    for shape, euler in ((Plane(x=(-30.0, 30.0), y=(-20.0, 20.0)), 1), (SMALL_VEIN, 0)):
+        assert_whole(built(shape, edge_length, *marks), euler)
