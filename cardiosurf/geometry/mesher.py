@@ -16,7 +16,7 @@ from cardiosurf.geometry.topology import are_edges, numbered_edges
 
 _CLEAR = 0.6
 _SHORTEST = 0.55
-_SMOOTH_ROUNDS = 4
+_SMOOTH_ROUNDS = 2
 _ROUNDS = 80
 _SWEEPS = 4
 _FINAL_SWEEPS = 30

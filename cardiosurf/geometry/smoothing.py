@@ -6,7 +6,7 @@ from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.geometry.sheet import Sheet
 from cardiosurf.geometry.topology import area_vectors, incidence, sharpness
 
-_SWEEPS = 2
+_SWEEPS = 3
 _STIFF = 50.0
 _POOR = 36.0
 _ENOUGH = 30.0

@@ -12,7 +12,7 @@ from cardiosurf.geometry.locate import onto_crossing, onto_level
 from cardiosurf.geometry.sheet import Sheet
 from cardiosurf.geometry.topology import edge_vectors, numbered_edges
 
-_FINENESS = 100.0
+_FINENESS = 75.0
 _NOISE = 1e-9
 
 
