@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from cardiosurf.analysis.block import target_finding
+from cardiosurf.analysis.block import TargetFinding, target_finding
 from cardiosurf.analysis.capture import captured
 from cardiosurf.analysis.distance import distance_from
-from cardiosurf.analysis.reentry import reentry_finding
+from cardiosurf.analysis.reentry import ReentryFinding, reentry_finding
 from cardiosurf.analysis.route import Map
 from cardiosurf.analysis.verdict import NO_CAPTURE_ADVICE, Verdict, whole_verdict
 from cardiosurf.arrays import Floats, Mask
@@ -99,20 +99,29 @@ def judge_recording(recording: Recording) -> Verdict:
         reentry=reentry,
         quiescent_at=recording.end_time if at_rest else None,
         end=recording.end_time,
-        notes=_notes(has_left, at_rest, recording, tuple(t.verdict for t in targets)),
+        notes=_notes(has_left, recording, tuple(targets), reentry),
     )
 
 
 def _notes(
-    has_left: bool, at_rest: bool, recording: Recording, targets: tuple[str, ...]
+    has_left: bool,
+    recording: Recording,
+    targets: tuple[TargetFinding, ...],
+    reentry: ReentryFinding,
 ) -> tuple[str, ...]:
     """Return what a reader should know before believing the verdict."""
-    notes = []
     if not has_left:
-        notes.append(NO_CAPTURE_ADVICE)
-    elif not at_rest and set(targets) != {"conduction"}:
+        return (NO_CAPTURE_ADVICE,)
+    notes = []
+    waiting = [target.name for target in targets if target.verdict != "conduction"]
+    if recording.stop_reason == "end" and waiting:
         notes.append(
-            f"the run ended at {recording.end_time:g} tu with tissue still active: what was not"
-            " activated by then may still be; raise time.end"
+            f"the run ended at {recording.end_time:g} tu with tissue still active, so what is not"
+            f" activated in {', '.join(waiting)} may still be; raise time.end"
+        )
+    if reentry.verdict == "sustained":
+        notes.append(
+            f"reentry was still going on at the end, {recording.end_time:g} tu; a larger time.end"
+            " tells whether it dies out"
         )
     return tuple(notes)
