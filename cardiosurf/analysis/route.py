@@ -93,7 +93,8 @@ def entrance_weights(points: Floats, triangles: Ints, inside: Mask, unperturbed:
     steepness = np.linalg.norm(gradient, axis=1)
     enters = np.einsum("ij,ij->i", gradient, inward) > ENTRANCE_COSINE * steepness
     halves = np.repeat(0.5 * np.sqrt(squared[enters]), 2)
-    return np.bincount(edges[enters].ravel(), weights=halves, minlength=len(points))
+    weights = np.bincount(edges[enters].ravel(), weights=halves, minlength=len(points))
+    return weights.astype(np.float64)
 
 
 @dataclass(frozen=True)
