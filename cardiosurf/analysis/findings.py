@@ -12,6 +12,9 @@ from cardiosurf.arrays import Floats, Mask
 from cardiosurf.errors import InputError
 from cardiosurf.recording.recording import Recording
 
+TRUSTED_LAT_ERROR = 0.005
+"""Relative LAT error of the time step above which a verdict carries a warning."""
+
 WHOLE_TISSUE = "tissue"
 """Name of the target that stands in where a config has none."""
 
@@ -110,9 +113,15 @@ def _notes(
     reentry: ReentryFinding,
 ) -> tuple[str, ...]:
     """Return what a reader should know before believing the verdict."""
-    if not has_left:
-        return (NO_CAPTURE_ADVICE,)
     notes = []
+    error = recording.meta.get("lat_error", 0.0)
+    if error > TRUSTED_LAT_ERROR:
+        notes.append(
+            f"steps of {recording.meta['step']:g} tu put LAT off by about {error:.1%}, and may turn"
+            " a verdict; use time.step: auto"
+        )
+    if not has_left:
+        return (*notes, NO_CAPTURE_ADVICE)
     waiting = [target.name for target in targets if target.verdict != "conduction"]
     if recording.stop_reason == "end" and waiting:
         notes.append(

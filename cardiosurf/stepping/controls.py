@@ -11,7 +11,7 @@ from cardiosurf.kinetics import Kinetics
 from cardiosurf.sections import Positive, Section
 from cardiosurf.stepping.schemes import SCHEMES, Scheme
 from cardiosurf.stepping.solvers import LOOSEST_TOLERANCE, SolverChoice, choose_solver
-from cardiosurf.stepping.step_rule import StepChoice, auto_step
+from cardiosurf.stepping.step_rule import StepChoice, asked_step, auto_step
 
 
 @dataclass(frozen=True)
@@ -59,12 +59,18 @@ def decide(section: TimeSection, kinetics: Kinetics, operators: Operators) -> Co
         The reaction, whose rate sets the automatic step.
     operators : Operators
         The matrices, whose size and stiffness set the automatic solver.
+
+    Raises
+    ------
+    NumericalError
+        The step asked for is unstable.
     """
     scheme = SCHEMES[section.scheme]
     if section.step == "auto":
         step = auto_step(scheme, kinetics)
     else:
-        step = StepChoice(section.step, "asked for")
+        # steps fall on the end, so none is longer than the whole
+        step = asked_step(scheme, kinetics, min(section.step, section.end))
     weight = step.step * scheme.implicit[0] / scheme.state[0]
     rates = operators.stiffness.diagonal() / operators.mass.diagonal()
     solver = choose_solver(

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardiosurf.errors import InputError
+from cardiosurf.errors import InputError, NumericalError
 from cardiosurf.kinetics import Kinetics
 from cardiosurf.stepping.schemes import Scheme
+from cardiosurf.stepping.stability import largest_stable
 
 LAT_ERROR = 0.005
 
@@ -20,10 +21,21 @@ TIDY_STEPS = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
 
 @dataclass(frozen=True)
 class StepChoice:
-    """A step, in tu, and why it was taken."""
+    """A step, and why it was taken.
+
+    Attributes
+    ----------
+    step : float
+        In tu.
+    reason : str
+        One line for the record.
+    lat_error : float
+        Relative LAT error of a planar wave that the rule expects; NaN for a foreign scheme.
+    """
 
     step: float
     reason: str
+    lat_error: float = float("nan")
 
 
 def reaction_rate(kinetics: Kinetics) -> float:
@@ -66,9 +78,55 @@ def auto_step(scheme: Scheme, kinetics: Kinetics) -> StepChoice:
     largest = (LAT_ERROR / coefficient) ** (1.0 / scheme.order) / rate
     decade = 10.0 ** np.floor(np.log10(largest))
     step = float(f"{max(t for t in TIDY_STEPS if t * decade <= largest) * decade:g}")
-    error = coefficient * (rate * step) ** scheme.order
+    error = expected_lat_error(scheme, kinetics, step)
     return StepChoice(
         step,
         f"{scheme.name} at a reaction rate of {rate:.3g}/tu: "
         f"LAT error {error:.2%}, at most {LAT_ERROR:.1%}",
+        error,
     )
+
+
+def expected_lat_error(scheme: Scheme, kinetics: Kinetics, step: float) -> float:
+    """Return the relative LAT error of a planar wave, C (rate dt)^order; NaN for unknown C.
+
+    Parameters
+    ----------
+    scheme : Scheme
+        The time integration.
+    kinetics : Kinetics
+        The reaction.
+    step : float
+        In tu.
+    """
+    coefficient = ERROR_COEFFICIENTS.get(scheme.name, float("nan"))
+    return float(coefficient * (reaction_rate(kinetics) * step) ** scheme.order)
+
+
+def asked_step(scheme: Scheme, kinetics: Kinetics, step: float) -> StepChoice:
+    """Return a step that the user asks for, with the error to expect of it.
+
+    Parameters
+    ----------
+    scheme : Scheme
+        The time integration.
+    kinetics : Kinetics
+        The reaction.
+    step : float
+        In tu.
+
+    Raises
+    ------
+    NumericalError
+        The explicit reaction is unstable at this step. Such a run need not blow up: it may as
+        well die at once, and look like a stimulus that does not capture.
+    """
+    largest = largest_stable(scheme) / reaction_rate(kinetics)
+    if step > largest:
+        raise NumericalError(
+            f"the reaction is unstable at step 1, t = {step:g} tu: a step of {step:g} tu is longer"
+            f" than the {largest:.3g} tu up to which {scheme.name} is stable",
+            "time.step: auto",
+        )
+    error = expected_lat_error(scheme, kinetics, step)
+    return StepChoice(step, f"asked for: LAT error {error:.2%}", error)

@@ -177,6 +177,7 @@ def _meta(loaded: Loaded, setup: Setup, outcome: Outcome, set_up_seconds: float)
         "scheme": controls.scheme.name,
         "step": outcome.longest_step,
         "step_reason": controls.step.reason,
+        "lat_error": controls.step.lat_error,
         "solver": controls.solver.name,
         "solver_reason": controls.solver.reason,
         "steps": outcome.steps,

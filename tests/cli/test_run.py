@@ -136,6 +136,12 @@ def test_a_scar_across_the_strip_blocks(strip, tmp_path, cardiosurf):
     assert verdict["targets"][0]["route"] is None
 
 
+def test_a_step_too_long_for_its_accuracy_is_noted(strip, tmp_path, cardiosurf):
+    done = cardiosurf("run", strip, "-o", tmp_path / "out", "--set", "time.step=5", "--json")
+    # C (rate dt)^2 = 0.0285 (0.2262 * 5)^2 = 3.6 %
+    assert "off by about 3.6%" in json.loads(done.stdout)["notes"][0]
+
+
 def test_a_finished_run_is_not_replaced_unasked(strip, tmp_path, cardiosurf):
     out = tmp_path / "out"
     assert cardiosurf("run", strip, "-o", out).returncode == 0
@@ -148,9 +154,19 @@ def test_a_finished_run_is_not_replaced_unasked(strip, tmp_path, cardiosurf):
     assert cardiosurf("run", strip, "-o", out, "--overwrite").returncode == 0
 
 
-def test_blow_up_is_named_at_its_step_and_leaves_nothing(strip, tmp_path, cardiosurf):
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ("time.step=60",),
+        ("time.step=6",),
+        # a current that drives u far beyond the model
+        ("stimulus.0.duration=20", "stimulus.0.strength=50", "time.step=5"),
+    ],
+)
+def test_blow_up_is_named_at_its_step_and_leaves_nothing(strip, tmp_path, cardiosurf, overrides):
     out = tmp_path / "out"
-    done = cardiosurf("run", strip, "-o", out, "--set", "time.step=60")
+    words = [word for override in overrides for word in ("--set", override)]
+    done = cardiosurf("run", strip, "-o", out, *words)
     assert done.returncode == 3
     assert "at step" in done.stderr
     assert "time.step" in done.stderr

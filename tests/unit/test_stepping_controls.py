@@ -2,12 +2,13 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from cardiosurf.errors import InputError
+from cardiosurf.errors import InputError, NumericalError
 from cardiosurf.fem.operators import assemble
 from cardiosurf.kinetics import KINETICS, RogersMcCulloch
 from cardiosurf.stepping.controls import TimeSection, decide
 from cardiosurf.stepping.schemes import SCHEMES, Scheme
 from cardiosurf.stepping.solvers import LOOSEST_TOLERANCE
+from cardiosurf.stepping.stability import largest_stable
 from cardiosurf.stepping.step_rule import ERROR_COEFFICIENTS, auto_step, reaction_rate
 
 
@@ -55,8 +56,29 @@ def test_decisions_carry_their_reasons(operators):
     assert controls.solver.name == "direct"
     assert "4 nodes" in controls.solver.reason
     wanted = decide(TimeSection(end=100.0, step=0.7, solver="cg"), RogersMcCulloch(), operators)
-    assert (wanted.step.step, wanted.step.reason) == (0.7, "asked for")
+    assert wanted.step.step == 0.7
+    # C (rate dt)^2 = 0.0285 (0.2262 * 0.7)^2
+    assert wanted.step.lat_error == pytest.approx(0.000715, rel=0.01)
+    assert wanted.step.reason == "asked for: LAT error 0.07%"
     assert wanted.solver.name == "cg"
+
+
+@pytest.mark.parametrize(
+    ("name", "limit"), [("imex_euler", 2.0), ("cnab2", 1.0), ("sbdf2", 4.0 / 3.0)]
+)
+def test_explicit_stability_limits(name, limit):
+    # by hand: forward Euler |1 - z| <= 1; AB2 and the extrapolated BDF2 leave the disc at -1:
+    # 2 = z (3 + 1)/2 and 1.5 + 2 + 0.5 = z (2 + 1)
+    assert largest_stable(SCHEMES[name]) == pytest.approx(limit, abs=1e-4)
+
+
+@pytest.mark.parametrize("step", [6.0, 60.0, 5000.0])
+def test_an_unstable_step_is_refused_where_it_would_begin(operators, step):
+    # 4/3 / 0.2262 = 5.89 tu; a run with 60 tu does not blow up but dies, and would look like a
+    # stimulus that does not capture
+    with pytest.raises(NumericalError, match=f"at step 1, t = {step:g} tu.*5.89 tu"):
+        decide(TimeSection(end=1e7, step=step), RogersMcCulloch(), operators)
+    assert decide(TimeSection(end=1e7, step=5.8), RogersMcCulloch(), operators).step.step == 5.8
 
 
 @pytest.mark.parametrize("name", KINETICS)
