@@ -17,7 +17,7 @@ from cardiosurf.recording.observers import Recorder
 from cardiosurf.recording.whole_file import whole_file
 from cardiosurf.stepping.moment import Checkpoint, Moment
 
-SCHEMA = "cardiosurf/checkpoint/1"
+SCHEMA = "cardiosurf/checkpoint/2"
 
 
 class CheckpointWriter:

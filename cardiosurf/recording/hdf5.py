@@ -57,6 +57,8 @@ def write_recording(path: Path, recording: Recording) -> None:
         file.attrs["name"] = recording.name
         file.attrs["end_time"] = recording.end_time
         file.attrs["stop_reason"] = recording.stop_reason
+        since = recording.quiescent_at
+        file.attrs["quiescent_at"] = np.nan if since is None else since
         file.attrs["complete"] = True
 
 
@@ -228,7 +230,15 @@ def _read(file: h5py.File, *, with_frames: bool) -> Recording:
         config=str(file["config/text"].asstr()[()]),
         config_sha256=str(file["config/text"].attrs["sha256"]),
         meta=read_meta(file["meta"]),
+        quiescent_at=_read_quiescence(file),
     )
+
+
+def _read_quiescence(file: h5py.File) -> float | None:
+    # older recordings lack it; one that stopped at rest began to rest there
+    at_rest = file.attrs["stop_reason"] == "rest"
+    since = float(file.attrs.get("quiescent_at", file.attrs["end_time"] if at_rest else np.nan))
+    return None if np.isnan(since) else since
 
 
 def _text(file: h5py.File, name: str) -> tuple[str, ...]:

@@ -138,6 +138,8 @@ class Recording:
         Its hash.
     meta : mapping
         Versions, platform, timings, solver statistics, scheme, step, mass, edge length.
+    quiescent_at : float or None
+        Since when all tissue has been at rest to the end, in tu; None = not at rest at the end.
     """
 
     name: str
@@ -154,6 +156,7 @@ class Recording:
     config: str
     config_sha256: str
     meta: Mapping[str, Any] = field(default_factory=dict)
+    quiescent_at: float | None = None
 
     @property
     def node_count(self) -> int:

@@ -22,6 +22,7 @@ from cardiosurf.recording.meta import provenance
 from cardiosurf.recording.observers import Activation, Frames, Probes, Recorder
 from cardiosurf.recording.probe_sites import place_probes
 from cardiosurf.recording.progress import ProgressBar
+from cardiosurf.recording.quiescence import Quiescence
 from cardiosurf.recording.recording import FrameSeries, Recording
 from cardiosurf.recording.spool import Spool
 from cardiosurf.recording.xdmf import write_xdmf
@@ -55,13 +56,18 @@ class _Watch:
     """The observers of a run that a recording is made of."""
 
     activation: Activation
+    quiescence: Quiescence
     probes: Probes
     spool: Spool | None
     frames: Frames | None
 
     @property
     def recorders(self) -> dict[str, Recorder]:
-        every: dict[str, Recorder] = {"activation": self.activation, "probes": self.probes}
+        every: dict[str, Recorder] = {
+            "activation": self.activation,
+            "quiescence": self.quiescence,
+            "probes": self.probes,
+        }
         if self.frames is not None:
             every["frames"] = self.frames
         return every
@@ -115,9 +121,9 @@ def _watch(loaded: Loaded, setup: Setup, folder: RunFolder) -> _Watch:
     record = loaded.config.record
     probes = place_probes(setup.surface, record.probes)
     if record.frames_every is None:
-        return _Watch(Activation(), probes, None, None)
+        return _Watch(Activation(), Quiescence(), probes, None, None)
     spool = Spool(folder.spool, len(setup.surface.points))
-    return _Watch(Activation(), probes, spool, Frames(record.frames_every, spool))
+    return _Watch(Activation(), Quiescence(), probes, spool, Frames(record.frames_every, spool))
 
 
 def _march(
@@ -163,6 +169,7 @@ def _recording(
         config=loaded.text,
         config_sha256=loaded.sha256,
         meta=_meta(loaded, setup, outcome, set_up_seconds),
+        quiescent_at=watch.quiescence.since,
     )
 
 

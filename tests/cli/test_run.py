@@ -136,6 +136,21 @@ def test_a_scar_across_the_strip_blocks(strip, tmp_path, cardiosurf):
     assert verdict["targets"][0]["route"] is None
 
 
+def test_a_run_beyond_rest_knows_when_rest_began(strip, tmp_path, cardiosurf):
+    coarse = ("--set", "mesh.edge_length=5", "--set", "time.step=3")
+    assert cardiosurf("run", strip, "-o", tmp_path / "one", *coarse).returncode == 0
+    beyond = ("--set", "time.stop_at_rest=false")
+    assert cardiosurf("run", strip, "-o", tmp_path / "two", *coarse, *beyond).returncode == 0
+    with (
+        h5py.File(tmp_path / "one/recording.h5") as one,
+        h5py.File(tmp_path / "two/recording.h5") as two,
+    ):
+        assert one.attrs["quiescent_at"] == one.attrs["end_time"] < 900
+        assert two.attrs["end_time"] == 900
+        # the same march, step for step
+        assert two.attrs["quiescent_at"] == one.attrs["quiescent_at"]
+
+
 def test_a_step_too_long_for_its_accuracy_is_noted(strip, tmp_path, cardiosurf):
     done = cardiosurf("run", strip, "-o", tmp_path / "out", "--set", "time.step=5", "--json")
     # C (rate dt)^2 = 0.0285 (0.2262 * 5)^2 = 3.6 %
