@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cardiosurf.arrays import Floats
+from cardiosurf.arrays import Floats, Mask
 
 CAPTURE_DISTANCE = 20.0
 """How far (su) from the stimulated tissue a wave must come to count as started.
@@ -13,27 +13,28 @@ to 1, and 14 su when a current goes on for 100 tu (docs/verdict.md).
 """
 
 
-def captured(lat: Floats, unperturbed: Floats) -> bool:
-    """Tell whether the wave left the stimulated tissue.
+def has_captured(activated: Mask, distance: Floats) -> bool:
+    """Tell whether the wave that a stimulus set off left the stimulated tissue.
 
     Parameters
     ----------
-    lat : (n,) float
-        First activation, NaN where never, in tu.
-    unperturbed : (n,) float
-        Distance from the stimulated vertices, in su.
+    activated : (n,) bool
+        Vertices with an activation that goes back to this stimulus.
+    distance : (n,) float
+        Distance from the stimulated vertices through excitable tissue, in su; infinite where there
+        is no way.
 
     Returns
     -------
     bool
         Whether tissue at least ``CAPTURE_DISTANCE`` away was activated, or half as far as the
-        surface reaches where that is less.
+        excitable tissue reaches where that is less.
     """
-    reachable = np.isfinite(unperturbed)
-    activated = np.isfinite(lat) & reachable
-    if not activated.any():
+    reachable = np.isfinite(distance)
+    reached = activated & reachable
+    if not reached.any():
         return False
-    farthest = float(unperturbed[reachable].max())
+    farthest = float(distance[reachable].max())
     if farthest == 0.0:
         return True
-    return bool(unperturbed[activated].max() >= min(CAPTURE_DISTANCE, 0.5 * farthest))
+    return bool(distance[reached].max() >= min(CAPTURE_DISTANCE, 0.5 * farthest))

@@ -3,39 +3,22 @@
 import numpy as np
 
 from cardiosurf.analysis.block import TargetFinding, target_finding
-from cardiosurf.analysis.capture import captured
-from cardiosurf.analysis.distance import distance_from
 from cardiosurf.analysis.reentry import ReentryFinding, reentry_finding
-from cardiosurf.analysis.route import Map
+from cardiosurf.analysis.route import FRONT_WIDTH, Map
+from cardiosurf.analysis.stimulation import stimulation
 from cardiosurf.analysis.verdict import NO_CAPTURE_ADVICE, Verdict, whole_verdict
+from cardiosurf.analysis.waves import trace_waves
 from cardiosurf.arrays import Floats, Mask
-from cardiosurf.errors import InputError
 from cardiosurf.recording.recording import Recording
 
 TRUSTED_LAT_ERROR = 0.005
 """Relative LAT error of the time step above which a verdict carries a warning."""
 
+COARSEST_EDGES = {"blended": FRONT_WIDTH / 3.0, "lumped": FRONT_WIDTH / 8.0}
+"""Edges above which the front's speed is off by more than 0.5 % (docs/numerics.md)."""
+
 WHOLE_TISSUE = "tissue"
 """Name of the target that stands in where a config has none."""
-
-
-def stimulated(recording: Recording) -> Mask:
-    """Return the vertices where the first stimulus is at least half as strong as at its strongest.
-
-    Parameters
-    ----------
-    recording : Recording
-        A recording with at least one pulse.
-
-    Returns
-    -------
-    (n,) bool
-        Over all pulses that begin at the time of the first one.
-    """
-    first = min(pulse.time for pulse in recording.pulses)
-    profiles = [pulse.profile for pulse in recording.pulses if pulse.time == first]
-    strong: Mask = np.any([profile >= 0.5 * profile.max() for profile in profiles], axis=0)
-    return strong
 
 
 def excitable_vertex_areas(recording: Recording) -> Floats:
@@ -48,6 +31,13 @@ def excitable_vertex_areas(recording: Recording) -> Floats:
     return areas
 
 
+def _target_masks(recording: Recording) -> dict[str, Mask]:
+    """Return the excitable triangles of each target; without targets, all of them."""
+    excitable = recording.tissue.excitable
+    masks = {name: mask & excitable for name, mask in recording.targets.items()}
+    return masks or {WHOLE_TISSUE: excitable}
+
+
 def judge_recording(recording: Recording) -> Verdict:
     """Return the verdict of a recording (docs/verdict.md).
 
@@ -55,64 +45,52 @@ def judge_recording(recording: Recording) -> Verdict:
     ----------
     recording : Recording
         A finished run.
-
-    Raises
-    ------
-    InputError
-        If a target has no excitable tissue at all.
     """
-    surface, tissue = recording.surface, recording.tissue
-    areas = surface.areas()
-    unperturbed = distance_from(surface.points, surface.triangles, stimulated(recording))
+    surface, tissue, count = recording.surface, recording.tissue, recording.node_count
+    waves = trace_waves(
+        recording.activations, recording.repolarisations, surface.triangles, recording.pulses, count
+    )
+    stimuli = stimulation(recording, waves)
     activation = Map(
         surface.points,
         surface.triangles,
         tissue.tensor,
+        tissue.excitable,
         recording.first_activation,
-        unperturbed,
+        stimuli.unperturbed,
     )
-    masks = dict(recording.targets) or {WHOLE_TISSUE: np.ones(len(areas), dtype=np.bool_)}
-    targets = []
-    for name, mask in masks.items():
-        inside = mask & tissue.excitable
-        if not inside.any():
-            raise InputError(
-                f"targets.{name}",
-                "the target lies wholly in tissue that is not excitable",
-                "a target with excitable tissue",
-                "move the target, or set excitable: true on the patch it lies in",
-            )
-        targets.append(target_finding(name, activation, inside, areas))
-    ended_up = recording.activation_count - recording.repolarisations.count(recording.node_count)
+    areas = surface.areas()
+    targets = tuple(
+        target_finding(name, activation, inside, areas)
+        for name, inside in _target_masks(recording).items()
+    )
+    active = bool(
+        (recording.activation_count > recording.repolarisations.count(count)).any()
+        and recording.quiescent_at is None
+    )
     reentry = reentry_finding(
-        recording.activations,
-        excitable_vertex_areas(recording),
-        beats=len({pulse.time for pulse in recording.pulses}),
-        end=recording.end_time,
-        active_at_end=ended_up > 0,
+        waves, excitable_vertex_areas(recording), end=recording.end_time, active=active
     )
-    has_left = captured(activation.lat, unperturbed)
-    at_rest = recording.stop_reason == "rest"
+    # while tissue is still active the question is open, and nothing speaks against the stimulus
+    has_left = any(stimuli.captured) or active
     return Verdict(
         name=recording.name,
         config_sha256=recording.config_sha256,
         captured=has_left,
-        verdict=whole_verdict(has_left, tuple(targets), reentry),
-        targets=tuple(targets),
+        verdict=whole_verdict(has_left, targets, reentry),
+        targets=targets,
         reentry=reentry,
-        quiescent_at=recording.end_time if at_rest else None,
+        quiescent_at=recording.quiescent_at,
         end=recording.end_time,
-        notes=_notes(has_left, recording, tuple(targets), reentry),
+        notes=(
+            *_accuracy_notes(recording),
+            *_outcome_notes(recording, targets, reentry, captured=has_left),
+        ),
     )
 
 
-def _notes(
-    has_left: bool,
-    recording: Recording,
-    targets: tuple[TargetFinding, ...],
-    reentry: ReentryFinding,
-) -> tuple[str, ...]:
-    """Return what a reader should know before believing the verdict."""
+def _accuracy_notes(recording: Recording) -> list[str]:
+    """Return warnings about a step or a mesh too coarse to be believed."""
     notes = []
     error = recording.meta.get("lat_error", 0.0)
     if error > TRUSTED_LAT_ERROR:
@@ -120,17 +98,36 @@ def _notes(
             f"steps of {recording.meta['step']:g} tu put LAT off by about {error:.1%}, and may turn"
             " a verdict; use time.step: auto"
         )
-    if not has_left:
-        return (*notes, NO_CAPTURE_ADVICE)
-    waiting = [target.name for target in targets if target.verdict != "conduction"]
-    if recording.stop_reason == "end" and waiting:
+    edge, mass = recording.meta.get("edge_length", 0.0), recording.meta.get("mass", "blended")
+    coarsest = COARSEST_EDGES.get(mass, COARSEST_EDGES["lumped"])
+    if edge > coarsest:
         notes.append(
-            f"the run ended at {recording.end_time:g} tu with tissue still active, so what is not"
-            f" activated in {', '.join(waiting)} may still be; raise time.end"
+            f"edges of {edge:g} su are coarse for a front {FRONT_WIDTH:g} su wide, and may turn a"
+            f" verdict; use mesh.edge_length: {coarsest:g} or less"
+        )
+    return notes
+
+
+def _outcome_notes(
+    recording: Recording,
+    targets: tuple[TargetFinding, ...],
+    reentry: ReentryFinding,
+    *,
+    captured: bool,
+) -> list[str]:
+    """Return what a reader should know before believing the verdict."""
+    if not captured:
+        return [NO_CAPTURE_ADVICE]
+    notes = []
+    waiting = [target.name for target in targets if target.verdict != "conduction"]
+    if recording.quiescent_at is None and waiting:
+        notes.append(
+            f"the run ended at {recording.end_time:g} tu before all tissue was at rest, so what is"
+            f" not activated in {', '.join(waiting)} may still be; raise time.end"
         )
     if reentry.verdict == "sustained":
         notes.append(
             f"reentry was still going on at the end, {recording.end_time:g} tu; a larger time.end"
             " tells whether it dies out"
         )
-    return tuple(notes)
+    return notes

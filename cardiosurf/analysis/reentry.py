@@ -1,17 +1,17 @@
-"""Reentry: tissue that is activated more often than it was stimulated."""
+"""Reentry: tissue that is activated twice by one and the same beat."""
 
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from cardiosurf.arrays import Floats, Mask
-from cardiosurf.recording.recording import Events
+from cardiosurf.analysis.waves import Waves
+from cardiosurf.arrays import Floats
 
 ReentryVerdict = Literal["none", "transient", "sustained"]
 
 REENTRY_AREA = 0.01
-"""Share of the excitable area that must be reactivated: less is flicker at the edge of a block."""
+"""Share of the excitable area that must be reactivated: less is noise at the edge of a block."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class ReentryFinding:
     max_activations : int
         The largest number of activations of any vertex.
     cycle_length : float or None
-        Median time between successive activations of reactivated tissue, in tu.
+        Median time between successive activations of a vertex by the same beat, in tu.
     """
 
     verdict: ReentryVerdict
@@ -35,34 +35,28 @@ class ReentryFinding:
 
 
 def reentry_finding(
-    events: Events, vertex_areas: Floats, *, beats: int, end: float, active_at_end: Mask
+    waves: Waves, vertex_areas: Floats, *, end: float, active: bool
 ) -> ReentryFinding:
-    """Tell whether tissue was activated more often than stimuli account for.
+    """Tell whether a wave came back to tissue that it had activated before.
 
     Parameters
     ----------
-    events : Events
-        All activations.
+    waves : Waves
+        All activations and the beats that they go back to.
     vertex_areas : (n,) float
         Excitable area that belongs to each vertex, in su^2.
-    beats : int
-        Number of distinct times at which stimuli were given: each can activate a vertex once.
     end : float
         When the recording ends, in tu.
-    active_at_end : (n,) bool
-        Vertices above u = 0.5 at the end.
+    active : bool
+        Whether any tissue was above u = 0.5 then.
     """
-    counts = np.bincount(events.nodes, minlength=len(vertex_areas))
-    most = int(counts.max(initial=0))
-    again = counts > beats
-    if vertex_areas[again].sum() < REENTRY_AREA * vertex_areas.sum():
+    most = int(np.bincount(waves.nodes).max(initial=0))
+    order = np.lexsort((waves.times, waves.beats, waves.nodes))
+    nodes, beats, times = waves.nodes[order], waves.beats[order], waves.times[order]
+    again = np.flatnonzero((nodes[1:] == nodes[:-1]) & (beats[1:] == beats[:-1])) + 1
+    area = vertex_areas[np.unique(nodes[again])].sum()
+    if not again.size or area < REENTRY_AREA * vertex_areas.sum():
         return ReentryFinding("none", most, None)
-    order = np.lexsort((events.times, events.nodes))
-    node, time = events.nodes[order], events.times[order]
-    same = node[1:] == node[:-1]
-    intervals = (time[1:] - time[:-1])[same & again[node[1:]]]
-    cycle = float(np.median(intervals))
-    rank = np.arange(len(node)) - np.searchsorted(node, node)
-    latest = float(time[rank >= beats].max())
-    going_on = bool(active_at_end.any()) and latest >= end - 2.0 * cycle
+    cycle = float(np.median(times[again] - times[again - 1]))
+    going_on = active and float(times[again].max()) >= end - 2.0 * cycle
     return ReentryFinding("sustained" if going_on else "transient", most, cycle)

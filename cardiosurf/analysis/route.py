@@ -34,69 +34,6 @@ class RouteFinding:
     direct_fraction: float | None
 
 
-def edges_of(triangles: Ints, inside: Mask) -> tuple[Ints, Ints]:
-    """Return the edges between a set of triangles and the others.
-
-    Parameters
-    ----------
-    triangles : (m, 3) int
-        Vertex numbers.
-    inside : (m,) bool
-        The set.
-
-    Returns
-    -------
-    edges : (k, 2) int
-        Vertex numbers of the edges that have the set on one side and other tissue on the other.
-    owner : (k,) int
-        The triangle of the set at each.
-    """
-    sides = np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
-    owner = np.repeat(np.arange(len(triangles)), 3)
-    order = np.lexsort((sides[:, 1], sides[:, 0]))
-    sides, owner = sides[order], owner[order]
-    shared = np.flatnonzero((sides[1:] == sides[:-1]).all(axis=1))
-    left, right = owner[shared], owner[shared + 1]
-    between = inside[left] != inside[right]
-    own = np.where(inside[left], left, right)[between]
-    return sides[shared[between]], own
-
-
-def entrance_weights(points: Floats, triangles: Ints, inside: Mask, unperturbed: Floats) -> Floats:
-    """Return the length of entrance that belongs to each vertex.
-
-    Parameters
-    ----------
-    points : (n, 3) float
-        Vertices, in su.
-    triangles : (m, 3) int
-        Vertex numbers.
-    inside : (m,) bool
-        The target's triangles.
-    unperturbed : (n,) float
-        Arrival times (or distances) of the unperturbed wave.
-
-    Returns
-    -------
-    (n,) float
-        Half the length of the adjoining entrance edges, in su; 0 off the entrance.
-    """
-    edges, owner = edges_of(triangles, inside)
-    if len(edges) == 0:
-        return np.zeros(len(points))
-    along = points[edges[:, 1]] - points[edges[:, 0]]
-    squared = np.einsum("ij,ij->i", along, along)
-    inward = points[triangles[owner]].mean(axis=1) - points[edges[:, 0]]
-    inward -= along * (np.einsum("ij,ij->i", inward, along) / squared)[:, None]
-    inward /= np.linalg.norm(inward, axis=1)[:, None]
-    gradient = triangle_gradients(points, triangles[owner], unperturbed)
-    steepness = np.linalg.norm(gradient, axis=1)
-    enters = np.einsum("ij,ij->i", gradient, inward) > ENTRANCE_COSINE * steepness
-    halves = np.repeat(0.5 * np.sqrt(squared[enters]), 2)
-    weights = np.bincount(edges[enters].ravel(), weights=halves, minlength=len(points))
-    return weights.astype(np.float64)
-
-
 @dataclass(frozen=True)
 class Map:
     """An activation map on a surface: what the route is read from.
@@ -107,17 +44,82 @@ class Map:
     triangles : (m, 3) int
     tensor : (m, 3, 3) float
         Diffusivity, in su^2/tu.
+    excitable : (m,) bool
     lat : (n,) float
         First activation, NaN where never, in tu.
     unperturbed : (n,) float
-        Distance of the unperturbed wave from the stimulus, in su; 0 where stimulated.
+        When a wave that nothing disturbs would arrive from the stimuli that captured, times its
+        speed, in su.
     """
 
     points: Floats
     triangles: Ints
     tensor: Floats
+    excitable: Mask
     lat: Floats
     unperturbed: Floats
+
+
+def edges_of(triangles: Ints, inside: Mask, outside: Mask) -> tuple[Ints, Ints]:
+    """Return the edges between two sets of triangles.
+
+    Parameters
+    ----------
+    triangles : (m, 3) int
+        Vertex numbers.
+    inside, outside : (m,) bool
+        The sets; nothing is in both.
+
+    Returns
+    -------
+    edges : (k, 2) int
+        Vertex numbers of the edges that have one set on one side and one on the other.
+    owner : (k,) int
+        The triangle inside at each.
+    """
+    sides = np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
+    owner = np.repeat(np.arange(len(triangles)), 3)
+    order = np.lexsort((sides[:, 1], sides[:, 0]))
+    sides, owner = sides[order], owner[order]
+    shared = np.flatnonzero((sides[1:] == sides[:-1]).all(axis=1))
+    left, right = owner[shared], owner[shared + 1]
+    between = (inside[left] & outside[right]) | (inside[right] & outside[left])
+    own = np.where(inside[left], left, right)[between]
+    return sides[shared[between]], own
+
+
+def entrance_weights(activation: Map, inside: Mask) -> Floats:
+    """Return the length of entrance that belongs to each vertex.
+
+    The edge between the target and tissue that is not excitable is no entrance.
+
+    Parameters
+    ----------
+    activation : Map
+        The surface and the unperturbed wave.
+    inside : (m,) bool
+        The target's triangles.
+
+    Returns
+    -------
+    (n,) float
+        Half the length of the adjoining entrance edges, in su; 0 off the entrance.
+    """
+    points, triangles = activation.points, activation.triangles
+    edges, owner = edges_of(triangles, inside, activation.excitable & ~inside)
+    if len(edges) == 0:
+        return np.zeros(len(points))
+    along = points[edges[:, 1]] - points[edges[:, 0]]
+    squared = np.einsum("ij,ij->i", along, along)
+    inward = points[triangles[owner]].mean(axis=1) - points[edges[:, 0]]
+    inward -= along * (np.einsum("ij,ij->i", inward, along) / squared)[:, None]
+    inward /= np.linalg.norm(inward, axis=1)[:, None]
+    gradient = triangle_gradients(points, triangles[owner], activation.unperturbed)
+    steepness = np.linalg.norm(gradient, axis=1)
+    enters = np.einsum("ij,ij->i", gradient, inward) > ENTRANCE_COSINE * steepness
+    halves = np.repeat(0.5 * np.sqrt(squared[enters]), 2)
+    weights = np.bincount(edges[enters].ravel(), weights=halves, minlength=len(points))
+    return weights.astype(np.float64)
 
 
 def route_into(activation: Map, inside: Mask) -> RouteFinding:
@@ -133,9 +135,7 @@ def route_into(activation: Map, inside: Mask) -> RouteFinding:
     active = inside & np.isfinite(activation.lat)[activation.triangles].all(axis=1)
     if not active.any():
         return RouteFinding(None, None)
-    weights = entrance_weights(
-        activation.points, activation.triangles, inside, activation.unperturbed
-    )
+    weights = entrance_weights(activation, inside)
     if not weights.any():
         # nothing to pass: the stimulus lies inside, or the target is all there is
         return RouteFinding("direct", 1.0)

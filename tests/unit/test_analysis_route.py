@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial import Delaunay
@@ -27,9 +29,10 @@ def as_map(square, lat, tensor=None):
     if tensor is None:
         tensor = np.eye(3)
     # the unperturbed wave comes from the right wall
-    return Map(
-        points, triangles, np.broadcast_to(tensor, (len(triangles), 3, 3)), lat, 50 - points[:, 0]
-    )
+    count = len(triangles)
+    everywhere = np.ones(count, dtype=bool)
+    tensors = np.broadcast_to(tensor, (count, 3, 3))
+    return Map(points, triangles, tensors, everywhere, lat, 50 - points[:, 0])
 
 
 def test_gradient_of_a_linear_field_is_exact(square):
@@ -42,15 +45,15 @@ def test_gradient_of_a_linear_field_is_exact(square):
 
 def test_the_edge_of_a_block_has_its_exact_length(square):
     points, triangles, inside, _ = square
-    edges, owner = edges_of(triangles, inside)
+    edges, owner = edges_of(triangles, inside, ~inside)
     length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1).sum()
     assert length == pytest.approx(160.0, abs=1e-9)
     assert inside[owner].all()
 
 
 def test_the_entrance_is_the_face_that_looks_at_the_wave(square):
-    points, triangles, inside, _ = square
-    weights = entrance_weights(points, triangles, inside, 50 - points[:, 0])
+    points, _, inside, _ = square
+    weights = entrance_weights(as_map(square, 50 - points[:, 0]), inside)
     np.testing.assert_array_equal(np.unique(points[weights > 0][:, 0]), [20.0])
     assert weights.sum() == pytest.approx(40.0, abs=1e-9)
 
@@ -100,6 +103,14 @@ def test_a_wave_from_behind_is_indirect(square):
     found = route_into(as_map(square, (points[:, 0] + 50) / 0.2), inside)
     assert found.route == "indirect"
     assert found.direct_fraction < 0.01
+
+
+def test_the_edge_towards_scar_is_no_entrance(square):
+    points, triangles, inside, _ = square
+    bare = as_map(square, 50 - points[:, 0])
+    scar = points[triangles].mean(axis=1)[:, 0] > 20.0
+    beside_scar = replace(bare, excitable=~scar)
+    assert entrance_weights(beside_scar, inside).sum() == 0.0
 
 
 def test_a_stimulus_inside_the_target_passes_nothing(square):

@@ -5,76 +5,78 @@ import numpy as np
 import pytest
 
 from cardiosurf.analysis.block import TargetFinding
-from cardiosurf.analysis.capture import captured
+from cardiosurf.analysis.capture import has_captured
 from cardiosurf.analysis.reentry import ReentryFinding, reentry_finding
 from cardiosurf.analysis.verdict import Verdict, verdict_schema, whole_verdict
-from cardiosurf.recording.recording import Events
+from cardiosurf.analysis.waves import Waves
 
 NODES = 400
 
 
-def periodic(beats, cycle, spread=0.0):
-    """Return activations of every node once a cycle, with a phase that runs over the nodes."""
-    node = np.tile(np.arange(NODES), beats)
-    time = np.repeat(np.arange(beats) * cycle, NODES) + spread * np.tile(np.arange(NODES), beats)
-    order = np.argsort(time, kind="stable")
-    return Events(node[order], time[order])
+def activations(beats, cycle, *, same_beat):
+    """Return activations of every node once a cycle, of one beat or each of its own."""
+    nodes = np.repeat(np.arange(NODES), beats)
+    times = np.tile(np.arange(beats) * cycle, NODES) + 0.5 * nodes
+    beat = np.zeros(len(nodes), dtype=int) if same_beat else np.tile(np.arange(beats), NODES)
+    return Waves(nodes, times, beat, beat)
 
 
-def finding(events, *, beats=1, end=1000.0, active=False):
-    return reentry_finding(
-        events,
-        np.ones(NODES),
-        beats=beats,
-        end=end,
-        active_at_end=np.full(NODES, active),
-    )
+def finding(waves, *, end=1000.0, active=False):
+    return reentry_finding(waves, np.ones(NODES), end=end, active=active)
 
 
 def test_one_wave_is_no_reentry():
-    found = finding(periodic(1, 0.0, spread=1.0))
-    assert found == ReentryFinding("none", 1, None)
+    assert finding(activations(1, 0.0, same_beat=True)) == ReentryFinding("none", 1, None)
 
 
 def test_a_wave_that_comes_back_and_goes_on_is_sustained_with_its_cycle():
-    found = finding(periodic(5, 210.0, spread=0.5), end=1100.0, active=True)
-    assert found.verdict == "sustained"
-    assert found.max_activations == 5
-    assert found.cycle_length == pytest.approx(210.0)
+    found = finding(activations(5, 210.0, same_beat=True), end=1100.0, active=True)
+    assert found == ReentryFinding("sustained", 5, 210.0)
 
 
 def test_a_wave_that_came_back_and_died_is_transient():
-    assert finding(periodic(3, 210.0), end=2000.0).verdict == "transient"
+    assert finding(activations(3, 210.0, same_beat=True), end=2000.0).verdict == "transient"
 
 
 def test_paced_beats_are_not_reentry():
-    assert finding(periodic(4, 300.0), beats=4).verdict == "none"
-    assert finding(periodic(5, 300.0), beats=4).verdict == "transient"
+    assert finding(activations(4, 300.0, same_beat=False)) == ReentryFinding("none", 4, None)
 
 
-def test_flicker_of_a_few_vertices_is_not_reentry():
-    once = periodic(1, 0.0)
-    events = Events(np.r_[once.nodes, [3, 4, 5]], np.r_[once.times, [40.0, 41.0, 42.0]])
-    assert finding(events).verdict == "none"
+def test_the_cycle_leaves_out_pacing_intervals():
+    # beats 0 and 1 are paced 300 apart; the second comes back twice, 250 apart
+    nodes = np.repeat(np.arange(NODES), 4)
+    times = np.tile([0.0, 300.0, 550.0, 800.0], NODES)
+    beats = np.tile([0, 1, 1, 1], NODES)
+    found = finding(Waves(nodes, times, beats, beats), active=True)
+    assert found == ReentryFinding("sustained", 4, 250.0)
+
+
+def test_a_few_vertices_are_not_reentry():
+    # 3 of 400 vertices are less than 1 % of the area
+    once = activations(1, 0.0, same_beat=True)
+    nodes, times = np.r_[once.nodes, [3, 4, 5]], np.r_[once.times, [400.0, 401.0, 402.0]]
+    zeros = np.zeros(len(nodes), dtype=int)
+    assert finding(Waves(nodes, times, zeros, zeros)).verdict == "none"
 
 
 def test_no_activation_at_all():
-    empty = Events(np.empty(0, dtype=np.int64), np.empty(0))
-    assert finding(empty) == ReentryFinding("none", 0, None)
+    nothing = np.empty(0, dtype=int)
+    assert finding(Waves(nothing, np.empty(0), nothing, nothing)) == ReentryFinding("none", 0, None)
 
 
 def test_capture_needs_a_wave_that_leaves_the_stimulus():
     distance = np.linspace(0.0, 200.0, 201)
-    lat = np.where(distance <= 14.0, 5.0 * distance, np.nan)
-    assert not captured(lat, distance)
-    assert captured(np.where(distance <= 25.0, distance, np.nan), distance)
-    assert not captured(np.full(201, np.nan), distance)
+    assert not has_captured(distance <= 14.0, distance)
+    assert has_captured(distance <= 25.0, distance)
+    assert not has_captured(distance < 0.0, distance)
 
 
-def test_capture_on_a_small_surface():
-    distance = np.linspace(0.0, 30.0, 31)
-    assert captured(distance.copy(), distance)
-    assert not captured(np.where(distance < 10.0, distance, np.nan), distance)
+def test_capture_on_little_excitable_tissue():
+    # an island of 30 su: half of it is enough; what cannot be reached says nothing
+    distance = np.r_[np.linspace(0.0, 30.0, 31), np.full(50, np.inf)]
+    assert has_captured(distance <= 30.0, distance)
+    assert not has_captured(distance < 10.0, distance)
+    assert not has_captured(np.isinf(distance), distance)
 
 
 def target(verdict):
