@@ -5,7 +5,7 @@ STAMP  := $(VENV)/.installed
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help install run test test-slow check format figures clean
+.PHONY: help install run test test-slow check format clean
 .DEFAULT_GOAL := help
 
 help:  ## this list
