@@ -56,14 +56,18 @@ def run(
     """
     from cardiosurf.config import load
     from cardiosurf.report.summary import cost_line
+    from cardiosurf.study.folder import RunFolder
     from cardiosurf.study.simulation import simulate
 
     loaded = load(config, overrides)
     folder = output or Path("runs") / loaded.config.name
+    place = RunFolder(folder)
+    if resume and not (place.resumable or place.finished):
+        click.echo(f"nothing to resume in {folder}: starting from the beginning", err=True)
     try:
         result = simulate(loaded, folder, overwrite=overwrite, resume=resume)
     except KeyboardInterrupt:
-        if (folder / ".partial" / "checkpoint.npz").exists():
+        if place.resumable:
             click.echo(f"\nstopped; go on with: --resume -o {folder}", err=True)
         raise
     files = [cost_line(result.meta), f"  files in {folder}"]

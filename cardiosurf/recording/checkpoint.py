@@ -1,13 +1,11 @@
 """Checkpoints: a march and its observers on disk, so that a stopped run goes on bit for bit."""
 
-import signal
-import threading
+import json
 import time
 import zipfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+import zlib
+from collections.abc import Mapping
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import numpy as np
@@ -46,6 +44,12 @@ class CheckpointWriter:
         self._identity = identity
         self._written_at = time.monotonic()
         self._stopping = False
+        self._last: Moment | None = None
+
+    @property
+    def stopping(self) -> bool:
+        """Whether ``stop`` was called."""
+        return self._stopping
 
     def initialize(self, moment: Moment) -> None:
         """Start the clock."""
@@ -65,7 +69,25 @@ class CheckpointWriter:
                 raise KeyboardInterrupt
 
     def finalize(self, moment: Moment) -> None:
-        """Leave the checkpoint: the recording is not written yet."""
+        """Leave the checkpoint, as the recording is not written yet, and keep the last moment."""
+        self._last = moment
+
+    def conclude(self, conclusion: Mapping[str, Any]) -> None:
+        """Write a checkpoint of a march that is over, so that a resumed run need not march.
+
+        Parameters
+        ----------
+        conclusion : mapping
+            How the march ended, in numbers and texts; ``read_conclusion`` gives it back.
+
+        Raises
+        ------
+        InputError
+            The checkpoint cannot be written; the one before is still there then.
+        """
+        if self._last is not None:
+            text = json.dumps(dict(conclusion), default=lambda number: number.item())
+            self._write(self._last, conclusion=np.asarray(text))
 
     def remove(self) -> None:
         """Remove the checkpoint, once the recording is safely written."""
@@ -75,10 +97,11 @@ class CheckpointWriter:
         """Have the march stop after the step it is at; a signal handler may call this."""
         self._stopping = True
 
-    def _write(self, moment: Moment) -> None:
+    def _write(self, moment: Moment, **more: np.ndarray) -> None:
         arrays: dict[str, Any] = {
             "schema": np.asarray(SCHEMA),
             "identity": np.asarray(self._identity),
+            **more,
         }
         march = moment.checkpoint().to_arrays()
         arrays |= {f"march/{key}": value for key, value in march.items()}
@@ -106,50 +129,70 @@ def restore_checkpoint(path: Path, recorders: Mapping[str, Recorder], identity: 
     InputError
         No such file, no checkpoint, or one of another run.
     """
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    except (OSError, ValueError, zipfile.BadZipFile) as error:
-        raise InputError(
-            where=str(path),
-            problem=f"cannot be read as a checkpoint: {error}",
-            hint="run again from the start with --overwrite",
-        ) from error
-    if str(arrays.get("schema")) != SCHEMA or str(arrays["identity"]) != identity:
+    arrays = _load(path)
+    if str(arrays.get("schema")) != SCHEMA or str(arrays.get("identity")) != identity:
         raise InputError(
             where=str(path),
             problem="is a checkpoint of another config or of another version",
             allowed="the config and the overrides that the run was started with",
             hint="run again from the start with --overwrite",
         )
-    for name, recorder in recorders.items():
-        recorder.restore(_under(name, arrays))
-    return Checkpoint.from_arrays(_under("march", arrays))
+    try:
+        for name, recorder in recorders.items():
+            recorder.restore(_under(name, arrays))
+        return Checkpoint.from_arrays(_under("march", arrays))
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        raise _unreadable(path, error) from error
+
+
+def read_conclusion(path: Path) -> Mapping[str, Any] | None:
+    """Return how the march of a checkpoint ended, None if it is not over.
+
+    Raises
+    ------
+    InputError
+        No such file or no checkpoint.
+    """
+    arrays = _load(path)
+    if "conclusion" not in arrays:
+        return None
+    try:
+        conclusion: dict[str, Any] = json.loads(str(arrays["conclusion"]))
+    except ValueError as error:
+        raise _unreadable(path, error) from error
+    return conclusion
+
+
+def _load(path: Path) -> dict[str, np.ndarray]:
+    """Return all arrays of a checkpoint file."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    # what numpy and zipfile raise on files that are empty, cut, changed or of another kind
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        TypeError,
+        AttributeError,
+        EOFError,
+        NotImplementedError,
+        RuntimeError,
+        zipfile.BadZipFile,
+        zlib.error,
+    ) as error:
+        raise _unreadable(path, error) from error
+
+
+def _unreadable(path: Path, error: Exception) -> InputError:
+    said = f"it lacks {error}" if isinstance(error, KeyError) else str(error)
+    return InputError(
+        where=str(path),
+        problem=f"cannot be read as a checkpoint: {said or type(error).__name__}",
+        hint="run again from the start with --overwrite",
+    )
 
 
 def _under(name: str, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     prefix = f"{name}/"
     return {key.removeprefix(prefix): arrays[key] for key in arrays if key.startswith(prefix)}
-
-
-@contextmanager
-def stopped_by_signals(writer: CheckpointWriter) -> Iterator[None]:
-    """Let Ctrl-C and SIGTERM end the march with a checkpoint instead of in mid-step.
-
-    A second signal interrupts at once. Outside the main thread, where Python handles no signals,
-    nothing is changed.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        writer.stop()
-        signal.signal(number, signal.default_int_handler)
-
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -12,6 +12,7 @@ from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.surface import Surface
 from cardiosurf.recording.layout import DATASETS, SCHEMA
+from cardiosurf.recording.lengths import check_lengths
 from cardiosurf.recording.meta import read_meta, write_meta
 from cardiosurf.recording.recording import (
     Events,
@@ -19,6 +20,7 @@ from cardiosurf.recording.recording import (
     ProbeTraces,
     Recording,
 )
+from cardiosurf.recording.signals import HeldSignals, held_signals
 from cardiosurf.recording.steady_file import SteadyFile
 from cardiosurf.recording.whole_file import whole_file
 from cardiosurf.tissue.stimuli import Pulse
@@ -31,6 +33,8 @@ SMALL = 256
 def write_recording(path: Path, recording: Recording) -> None:
     """Write a recording; the file appears complete or not at all.
 
+    Ctrl-C and SIGTERM wait until HDF5 can be left: between two frames, or at the end of the file.
+
     Parameters
     ----------
     path : Path
@@ -42,14 +46,18 @@ def write_recording(path: Path, recording: Recording) -> None:
     ------
     InputError
         The folder cannot be written to, or the disk is full.
+    KeyboardInterrupt
+        A signal came; the file is complete or not there.
     """
     with (
+        held_signals() as held,
         whole_file(path) as partial,
         SteadyFile(partial) as steady,
         h5py.File(steady, "w") as file,
     ):
         for name, value in _values(recording).items():
-            _write(file, name, value)
+            held.heed()
+            _write(file, name, value, held)
         _write_frame_views(file)
         file["config/text"].attrs["sha256"] = recording.config_sha256
         write_meta(file.create_group("meta"), recording.meta)
@@ -82,7 +90,9 @@ def read_recording(path: Path, *, with_frames: bool = True) -> Recording:
     try:
         with h5py.File(path, "r") as file:
             _check(path, file)
-            return _read(file, with_frames=with_frames)
+            recording = _read(file, with_frames=with_frames)
+            check_lengths(recording)
+            return recording
     except KeyError as error:
         raise InputError(
             where=str(path),
@@ -90,11 +100,23 @@ def read_recording(path: Path, *, with_frames: bool = True) -> Recording:
             allowed="a recording as a run wrote it",
             hint="run the config again",
         ) from error
-    except OSError as error:
+    # what h5py and numpy raise on a file that is cut, changed or of another kind; a ValueError may
+    # be a text that is not UTF-8, a MemoryError a length that is not true
+    except (
+        OSError,
+        TypeError,
+        ValueError,
+        RuntimeError,
+        IndexError,
+        AttributeError,
+        OverflowError,
+        MemoryError,
+    ) as error:
         raise InputError(
             where=str(path),
             problem=f"cannot be read as HDF5: {error}",
             allowed="a recording.h5 that a run wrote",
+            hint="if a run wrote it, it is damaged: run the config again",
         ) from error
 
 
@@ -157,7 +179,7 @@ def _stack(masks: Mapping[str, Mask], length: int) -> NDArray[np.uint8]:
     return np.array(rows, dtype=np.uint8).reshape(-1, length)
 
 
-def _write(file: h5py.File, name: str, value: ArrayLike) -> None:
+def _write(file: h5py.File, name: str, value: ArrayLike, held: HeldSignals) -> None:
     """Write one dataset of the layout, compressed when that is worth it."""
     if isinstance(value, str):
         dataset = file.create_dataset(name, data=value)
@@ -165,7 +187,7 @@ def _write(file: h5py.File, name: str, value: ArrayLike) -> None:
         text = np.array(value, dtype=object)
         dataset = file.create_dataset(name, data=text, dtype=h5py.string_dtype())
     elif name in {"frames/u", "frames/v"}:
-        dataset = _write_frames(file, name, np.asanyarray(value))
+        dataset = _write_frames(file, name, np.asanyarray(value), held)
     else:
         data = np.asarray(value)
         options = {"compression": "gzip", "shuffle": True} if data.size > SMALL else {}
@@ -175,13 +197,16 @@ def _write(file: h5py.File, name: str, value: ArrayLike) -> None:
     dataset.attrs["description"] = entry.description
 
 
-def _write_frames(file: h5py.File, name: str, frames: NDArray[np.float32]) -> h5py.Dataset:
+def _write_frames(
+    file: h5py.File, name: str, frames: NDArray[np.float32], held: HeldSignals
+) -> h5py.Dataset:
     """Write frames (k, n) one by one: they may be in a file larger than memory."""
     options: dict[str, Any] = {"shape": frames.shape, "dtype": np.float32}
     if frames.size:
         options |= {"chunks": (1, frames.shape[1]), "compression": "gzip", "shuffle": True}
     dataset = file.create_dataset(name, **options)
     for index, frame in enumerate(frames):
+        held.heed()
         dataset[index] = frame
     return dataset
 

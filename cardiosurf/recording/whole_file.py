@@ -1,5 +1,6 @@
 """Files that appear whole or not at all."""
 
+import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -41,11 +42,38 @@ def whole_file(path: Path) -> Iterator[Path]:
         raise
 
 
+_NO_ROOM = ("a disk with room", "free some space, or give another folder with -o")
+_FORBIDDEN = (
+    "a folder that may be written to",
+    "change the permissions, or give another folder with -o",
+)
+_IN_THE_WAY = (
+    "a path on which files are not folders, nor folders files",
+    "something of that name is in the way: move it, or give another folder with -o",
+)
+_ADVICE = {
+    errno.ENOSPC: _NO_ROOM,
+    errno.EDQUOT: _NO_ROOM,
+    errno.EFBIG: _NO_ROOM,
+    errno.EACCES: _FORBIDDEN,
+    errno.EPERM: _FORBIDDEN,
+    errno.EROFS: _FORBIDDEN,
+    errno.ENOTDIR: _IN_THE_WAY,
+    errno.EEXIST: _IN_THE_WAY,
+    errno.EISDIR: _IN_THE_WAY,
+    errno.ENAMETOOLONG: ("a shorter name", "give a folder with a shorter name: -o"),
+}
+"""What would be accepted and what to try, by the system's reason."""
+
+
 def unwritable(path: Path, error: OSError) -> InputError:
-    """Return the error that says why ``path`` cannot be written."""
+    """Return the error that says why ``path`` cannot be written, and what to do about it."""
+    allowed, hint = _ADVICE.get(
+        error.errno or 0, ("a folder that can be written to", "give another folder with -o")
+    )
     return InputError(
         where=str(path),
         problem=f"cannot be written: {error.strerror or error}",
-        allowed="a folder that can be written to, on a disk with room",
-        hint="free some space, or give another folder with -o",
+        allowed=allowed,
+        hint=hint,
     )

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from cardiosurf.arrays import Mask
 from cardiosurf.config.sections import Config, regions_of, target_key
+from cardiosurf.errors import InputError
 from cardiosurf.fem.operators import assemble
 from cardiosurf.geometry import build_surface
 from cardiosurf.geometry.surface import Surface
@@ -54,11 +55,13 @@ def set_up(config: Config) -> Setup:
     Raises
     ------
     InputError
-        If a region is empty, a stimulus or an axis does not fit the surface, ...
+        If a region is empty, a stimulus or an axis does not fit the surface, a target has no
+        excitable tissue, ...
     """
     surface = build_surface(config.geometry, config.mesh.edge_length, regions_of(config))
     tissue = build_tissue(surface, config.tissue)
     pulses = build_pulses(surface, config.stimulus)
+    check_targets(config, surface, tissue)
     operators = assemble(
         surface.points,
         surface.triangles,
@@ -69,3 +72,31 @@ def set_up(config: Config) -> Setup:
     controls = decide(config.time, config.kinetics, operators)
     problem = Problem(operators, config.kinetics, pulses)
     return Setup(surface, tissue, pulses, problem, controls)
+
+
+def check_targets(config: Config, surface: Surface, tissue: Tissue) -> None:
+    """Refuse targets that no wave could ever activate.
+
+    Parameters
+    ----------
+    config : Config
+        A decoded config.
+    surface : Surface
+        Its surface, which resolves the targets' regions.
+    tissue : Tissue
+        The tissue on it.
+
+    Raises
+    ------
+    InputError
+        If a target lies wholly in tissue that is not excitable.
+    """
+    for target in config.targets:
+        inside = surface.regions[target_key(target.name)]
+        if not (inside & tissue.excitable).any():
+            raise InputError(
+                f"targets.{target.name}.region",
+                "the target lies wholly in tissue that is not excitable",
+                "a target with excitable tissue",
+                "move the target, or set excitable: true on the patch it lies in",
+            )

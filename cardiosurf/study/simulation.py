@@ -2,8 +2,8 @@
 
 import json
 from collections.abc import Mapping
-from contextlib import ExitStack
-from dataclasses import dataclass
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -11,11 +11,11 @@ from typing import Any
 from cardiosurf.analysis.findings import judge_recording
 from cardiosurf.analysis.verdict import Verdict
 from cardiosurf.config import Loaded
-from cardiosurf.errors import CardiosurfError, NumericalError
+from cardiosurf.errors import InputError, NumericalError
 from cardiosurf.recording.checkpoint import (
     CheckpointWriter,
+    read_conclusion,
     restore_checkpoint,
-    stopped_by_signals,
 )
 from cardiosurf.recording.hdf5 import write_recording
 from cardiosurf.recording.meta import provenance
@@ -24,11 +24,12 @@ from cardiosurf.recording.probe_sites import place_probes
 from cardiosurf.recording.progress import ProgressBar
 from cardiosurf.recording.quiescence import Quiescence
 from cardiosurf.recording.recording import FrameSeries, Recording
+from cardiosurf.recording.signals import stopped_by_signals
 from cardiosurf.recording.spool import Spool
 from cardiosurf.recording.xdmf import write_xdmf
 from cardiosurf.stepping.march import Outcome, march
 from cardiosurf.stepping.rest import at_rest, never
-from cardiosurf.study.folder import RunFolder
+from cardiosurf.study.folder import CONFIG, RECORDING, VERDICT, RunFolder
 from cardiosurf.study.setup import Setup, set_up
 
 
@@ -100,20 +101,21 @@ def simulate(
     """
     begun = perf_counter()
     folder = RunFolder(path)
-    resuming = folder.open(overwrite=overwrite, resume=resume)
-    try:
-        with loaded.naming_lines():
-            setup = set_up(loaded.config)
-            watch = _watch(loaded, setup, folder)
-        set_up_seconds = perf_counter() - begun
-        outcome = _march(loaded, setup, folder, watch, resuming=resuming)
-        recording = _recording(loaded, setup, watch, outcome, set_up_seconds)
-        verdict = _write(loaded, recording, folder)
-    except (CardiosurfError, KeyboardInterrupt) as error:
-        # what broke down breaks down again; anything else can go on from its checkpoint
-        if isinstance(error, NumericalError) or not folder.checkpoint.exists():
-            folder.abandon()
-        raise
+    with folder.in_use():
+        resuming = folder.open(overwrite=overwrite, resume=resume)
+        try:
+            with loaded.naming_lines():
+                setup = set_up(loaded.config)
+                watch = _watch(loaded, setup, folder)
+            set_up_seconds = perf_counter() - begun
+            outcome = _march(loaded, setup, folder, watch, resuming=resuming)
+            recording = _recording(loaded, setup, watch, outcome, set_up_seconds)
+            verdict = _write(loaded, recording, folder)
+        except BaseException as error:
+            # what broke down breaks down again; anything else can go on from its checkpoint
+            if isinstance(error, NumericalError) or not folder.resumable:
+                folder.discard_partial()
+            raise
     return Result(verdict, folder, recording.meta)
 
 
@@ -136,18 +138,28 @@ def _march(
     start = None
     if resuming:
         start = restore_checkpoint(folder.checkpoint, watch.recorders, loaded.sha256)
+        ended = read_conclusion(folder.checkpoint)
+        if ended is not None:
+            return Outcome(**ended, controls=setup.controls)
     with ExitStack() as stack:
         progress = stack.enter_context(
             ProgressBar(config.name, config.time.end, setup.surface.vertex_areas())
         )
-        stack.enter_context(stopped_by_signals(writer))
-        return march(
+        stack.enter_context(stopped_by_signals(writer.stop))
+        outcome = march(
             setup.problem,
             setup.controls,
             [*watch.recorders.values(), progress, writer],
             stop=at_rest if config.time.stop_at_rest else never,
             start=start,
         )
+        numbers = [field.name for field in fields(Outcome) if field.name != "controls"]
+        # where there is no room for a checkpoint there may still be some for the recording
+        with suppress(InputError):
+            writer.conclude({name: getattr(outcome, name) for name in numbers})
+    if writer.stopping:
+        raise KeyboardInterrupt
+    return outcome
 
 
 def _recording(
@@ -198,13 +210,18 @@ def _meta(loaded: Loaded, setup: Setup, outcome: Outcome, set_up_seconds: float)
 
 
 def _write(loaded: Loaded, recording: Recording, folder: RunFolder) -> Verdict:
-    """Write all files of a finished run, the verdict last, and tidy up."""
+    """Write all files of a finished run aside, then put them into place together."""
     verdict = judge_recording(recording)
-    # while files are replaced, an old verdict must not stand beside a new recording
-    folder.verdict.unlink(missing_ok=True)
-    write_recording(folder.recording, recording)
-    write_xdmf(folder.recording)
-    folder.write_text(folder.config, loaded.text)
-    folder.write_text(folder.verdict, json.dumps(verdict.to_json(), indent=2) + "\n")
-    folder.discard_partial()
+    try:
+        folder.stage()
+        write_recording(folder.staged / RECORDING, recording)
+        write_xdmf(folder.staged / RECORDING)
+        folder.write_text(folder.staged / CONFIG, loaded.text)
+        text = json.dumps(verdict.to_json(), indent=2) + "\n"
+        folder.write_text(folder.staged / VERDICT, text)
+        folder.publish()
+    except InputError as error:
+        if not folder.resumable:
+            raise
+        raise replace(error, hint=f"{error.hint}; then go on with --resume") from error
     return verdict

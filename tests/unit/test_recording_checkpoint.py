@@ -12,8 +12,8 @@ from cardiosurf.kinetics import RogersMcCulloch
 from cardiosurf.recording.checkpoint import (
     CheckpointWriter,
     restore_checkpoint,
-    stopped_by_signals,
 )
+from cardiosurf.recording.signals import stopped_by_signals
 from cardiosurf.stepping.controls import TimeSection, decide
 from cardiosurf.stepping.march import march
 from cardiosurf.stepping.walk import Problem
@@ -70,7 +70,7 @@ def test_a_run_stopped_by_ctrl_c_goes_on_bit_for_bit(tmp_path, whole, when):
     first = recorders(tmp_path, SURFACE)
     writer = CheckpointWriter(path, 1e9, first, "hash")
     stopper = Interrupter(when, lambda: os.kill(os.getpid(), signal.SIGINT))
-    with stopped_by_signals(writer), pytest.raises(KeyboardInterrupt):
+    with stopped_by_signals(writer.stop), pytest.raises(KeyboardInterrupt):
         march(problem(), controls(), [*first.values(), stopper, writer])
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
