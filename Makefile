@@ -5,7 +5,7 @@ STAMP  := $(VENV)/.installed
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help install run test test-slow check format clean
+.PHONY: help install run test test-slow bench check format clean
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -28,6 +28,9 @@ test: $(STAMP)  ## the everyday tests, under 3 minutes
 
 test-slow: $(STAMP)  ## convergence and regression suites
 	$(BIN)/python -m pytest -m slow -n 2
+
+bench: $(STAMP)  ## time the everyday things, write benchmarks/README.md
+	$(BIN)/python benchmarks/everyday.py
 
 check: $(STAMP)  ## ruff, mypy --strict, import-linter
 	$(BIN)/ruff check .

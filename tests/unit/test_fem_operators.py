@@ -1,5 +1,3 @@
-from time import perf_counter
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -131,17 +129,3 @@ def test_without_scar_there_is_one_mass():
     op = operators(*sheet(3, 3, 1.0))
     assert op.reaction_mass is op.mass
     assert op.excitable_nodes.all()
-
-
-def test_assembly_is_fast():
-    points, triangles = sheet(112, 112, 1.0)
-    tensor = constant(np.eye(3), triangles)
-    excitable = np.ones(len(triangles), bool)
-
-    def seconds():
-        begun = perf_counter()
-        assemble(points, triangles, tensor, excitable)
-        return perf_counter() - begun
-
-    # 25,088 triangles take 0.2 s on one core; the best of five, against noise from other work
-    assert min(seconds() for _ in range(5)) < 0.4
