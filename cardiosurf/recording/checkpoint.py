@@ -140,9 +140,12 @@ def restore_checkpoint(path: Path, recorders: Mapping[str, Recorder], identity: 
     try:
         for name, recorder in recorders.items():
             recorder.restore(_under(name, arrays))
-        return Checkpoint.from_arrays(_under("march", arrays))
+        start = Checkpoint.from_arrays(_under("march", arrays))
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise _unreadable(path, error) from error
+    if start.states.ndim != 3 or start.states.shape[:2] < (1, 2):
+        raise _unreadable(path, ValueError(f"states of shape {start.states.shape}"))
+    return start
 
 
 def read_conclusion(path: Path) -> Mapping[str, Any] | None:

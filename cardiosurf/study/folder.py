@@ -59,7 +59,8 @@ class RunFolder:
     @property
     def resumable(self) -> bool:
         """Whether the folder holds an unfinished run that can be gone on with."""
-        return self.checkpoint.exists()
+        # unlike Path.exists, this is no error where a name is too long or access is denied
+        return os.path.exists(self.checkpoint)  # noqa: PTH110
 
     @property
     def finished(self) -> bool:

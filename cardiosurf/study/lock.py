@@ -37,7 +37,7 @@ def locked(folder: Path) -> Iterator[None]:
     try:
         descriptor = _lock(folder)
     except OSError as error:
-        raise unwritable(folder if folder.exists() else folder.parent, error) from error
+        raise unwritable(folder.parent, error) from error
     try:
         yield
     finally:

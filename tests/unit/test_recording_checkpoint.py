@@ -1,3 +1,4 @@
+import io
 import os
 import signal
 from dataclasses import replace
@@ -11,6 +12,7 @@ from cardiosurf.fem.operators import assemble
 from cardiosurf.kinetics import RogersMcCulloch
 from cardiosurf.recording.checkpoint import (
     CheckpointWriter,
+    read_conclusion,
     restore_checkpoint,
 )
 from cardiosurf.recording.signals import stopped_by_signals
@@ -132,6 +134,62 @@ def test_checkpoints_of_another_run_and_other_files_are_refused(tmp_path):
         restore_checkpoint(path, recorders(tmp_path, SURFACE), "one")
     with pytest.raises(InputError, match="cannot be read as a checkpoint"):
         restore_checkpoint(tmp_path / "none.npz", recorders(tmp_path, SURFACE), "one")
+
+
+def bare(array):
+    """The bytes of a file that holds one array instead of an archive."""
+    file = io.BytesIO()
+    np.save(file, array)
+    return file.getvalue()
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"", bare(np.zeros(3)), b"PK\x03\x04 and no more", b"\x93NUMPY", b"name: text\n"],
+)
+def test_a_file_of_another_kind_is_no_checkpoint(tmp_path, content):
+    path = tmp_path / "checkpoint.npz"
+    path.write_bytes(content)
+    for read in (
+        lambda: restore_checkpoint(path, recorders(tmp_path, SURFACE), "one"),
+        lambda: read_conclusion(path),
+    ):
+        with pytest.raises(InputError, match="cannot be read as a checkpoint"):
+            read()
+
+
+@pytest.mark.parametrize(
+    "spoilt", ["march/position", "march/states", "activation/up", "frames/count", "identity"]
+)
+def test_a_checkpoint_that_lacks_something_is_refused(tmp_path, spoilt):
+    path = tmp_path / "checkpoint.npz"
+    observers = recorders(tmp_path, SURFACE)
+    writer = CheckpointWriter(path, 1e-9, observers, "one")
+    march(problem(), controls(4.0), [*observers.values(), writer])
+    with np.load(path) as file:
+        kept = {name: file[name] for name in file.files if name != spoilt}
+    assert restore_checkpoint(path, recorders(tmp_path, SURFACE), "one").time == 4.0
+    np.savez(path, **kept)
+    with pytest.raises(InputError, match="checkpoint") as caught:
+        restore_checkpoint(path, recorders(tmp_path, SURFACE), "one")
+    assert "--overwrite" in str(caught.value)
+    np.savez(path, **kept, **{spoilt: np.zeros((0, 0, 0))})
+    with pytest.raises(InputError, match="checkpoint"):
+        restore_checkpoint(path, recorders(tmp_path, SURFACE), "one")
+
+
+def test_a_march_that_is_over_says_so_in_its_checkpoint(tmp_path):
+    path = tmp_path / "checkpoint.npz"
+    observers = recorders(tmp_path, SURFACE)
+    writer = CheckpointWriter(path, 1e-9, observers, "one")
+    march(problem(), controls(10.0), [*observers.values(), writer])
+    assert read_conclusion(path) is None
+    writer.conclude({"end_time": 10.0, "reason": "end", "steps": np.int64(5)})
+    assert read_conclusion(path) == {"end_time": 10.0, "reason": "end", "steps": 5}
+    second = recorders(tmp_path, SURFACE)
+    assert restore_checkpoint(path, second, "one").time == 10.0
+    for expected, found in zip(recorded(observers), recorded(second), strict=True):
+        assert np.array_equal(expected, found)
 
 
 def test_a_full_disk_keeps_the_checkpoint_before(tmp_path, monkeypatch):

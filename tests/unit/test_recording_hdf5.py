@@ -130,6 +130,42 @@ def test_what_is_no_complete_recording_is_refused(tmp_path, change, message):
     assert str(tmp_path / "r.h5") in str(caught.value)
 
 
+def swap(name, value):
+    """Return a change that puts something else in the place of a dataset."""
+
+    def change(file):
+        del file[name]
+        file[name] = value
+
+    return change
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        swap("mesh/parts", np.zeros(1)),  # TypeError: no text
+        swap("targets/names", np.bytes_(b"\xff\xfe")),  # not UTF-8
+        swap("config/text", np.array([b"\xff\xfe"])),
+        swap("targets/triangles", np.zeros((3, 2))),
+        swap("mesh/axes", np.bytes_(b"xy")),
+        swap("activation/nodes", np.array([10**6])),
+        swap("activation/times", np.zeros(1)),
+        swap("mesh/triangles", np.array([[0, 1, -1]])),
+        swap("tissue/tensor", np.zeros((1, 3, 3))),
+        swap("pulses/times", 1.0),
+        lambda file: (file.__delitem__("probes"), file.create_dataset("probes", data=1.0)),
+        lambda file: (file.__delitem__("meta"), file.create_dataset("meta", data=1.0)),
+        lambda file: (file.__delitem__("mesh/net"), file.create_group("mesh/net")),
+        lambda file: file.attrs.__setitem__("end_time", "late"),
+    ],
+)
+def test_a_damaged_recording_is_refused(tmp_path, change):
+    spoil(tmp_path / "r.h5", change)
+    with pytest.raises(InputError, match=r"cannot be read as HDF5|lacks something") as caught:
+        read_recording(tmp_path / "r.h5")
+    assert "run the config again" in str(caught.value)
+
+
 def test_what_is_no_hdf5_file_is_refused(tmp_path):
     (tmp_path / "r.h5").write_text("name: not a recording\n")
     with pytest.raises(InputError, match="cannot be read as HDF5"):
