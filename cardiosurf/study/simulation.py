@@ -223,5 +223,7 @@ def _write(loaded: Loaded, recording: Recording, folder: RunFolder) -> Verdict:
     except InputError as error:
         if not folder.resumable:
             raise
-        raise replace(error, hint=f"{error.hint}; then go on with --resume") from error
+        # the march is here, so another folder is no help
+        remedy = error.hint.partition(", or ")[0]
+        raise replace(error, hint=f"{remedy}, then go on with --resume") from error
     return verdict
