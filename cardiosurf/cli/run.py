@@ -33,7 +33,7 @@ def _show(verdict: Verdict, extra: list[str], *, as_json: bool) -> None:
     help="Folder for the run's files.  [default: runs/NAME]",
 )
 @click.option("--overwrite", is_flag=True, help="Replace a finished or unfinished run there.")
-@click.option("--resume", is_flag=True, help="Go on with an unfinished run there.")
+@click.option("--resume", is_flag=True, help="Go on with an unfinished run there, if any.")
 @click.option("--json", "as_json", is_flag=True, help="Print the verdict as JSON.")
 def run(
     config: Path,
