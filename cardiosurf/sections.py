@@ -6,10 +6,18 @@ and knows nothing of YAML; ``cardiosurf.config`` decodes it.
 
 from typing import Annotated, Any, ClassVar
 
-from annotated_types import Ge, Gt
+from annotated_types import Ge, Interval
 
-Positive = Annotated[float, Gt(0)]
-NonNegative = Annotated[float, Ge(0)]
+# far beyond any tissue, and far from where squares and products leave double precision
+SMALLEST, LARGEST = 1e-6, 1e6
+Positive = Annotated[float, Interval(ge=SMALLEST, le=LARGEST)]
+NonNegative = Annotated[float, Interval(ge=0.0, le=LARGEST)]
+Coordinate = Annotated[float, Interval(ge=-LARGEST, le=LARGEST)]
+# values and currents that are set from outside, and how long a run may take
+Amplitude = Annotated[float, Interval(ge=SMALLEST, le=10.0)]
+Strength = Annotated[float, Interval(ge=SMALLEST, le=1e3)]
+Span = Annotated[float, Interval(ge=SMALLEST, le=1e7)]
+Instant = Annotated[float, Interval(ge=0.0, le=1e7)]
 Count = Annotated[int, Ge(1)]
 
 

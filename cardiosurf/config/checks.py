@@ -5,15 +5,19 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Protocol
 
+from cardiosurf.config.document import is_index
 from cardiosurf.config.fit import check_fit
 from cardiosurf.config.region_paths import leaves, regions_in
 from cardiosurf.config.sections import Config
 from cardiosurf.errors import InputError
+from cardiosurf.geometry import check_size
 from cardiosurf.geometry.regions import PatchReference, Region, resolve
+from cardiosurf.sections import LARGEST
 from cardiosurf.spelling import did_you_mean
-from cardiosurf.tissue.patches import factors_of
+from cardiosurf.tissue.patches import check_diffusivity, factors_of
 from cardiosurf.tissue.stimuli import RegionStimulus, beat_times, check_timing, stimulus_key
 
+_MOST_FRAMES = 1e6
 _ITEM_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_ -]*")
 
 
@@ -24,13 +28,16 @@ class _Named(Protocol):
 
 def check(config: Config) -> list[InputError]:
     """Return everything in which the sections contradict each other; ``where`` is a key path."""
-    shape = list(_raised(config.geometry.check))
+    shape = list(_raised(config.geometry.check)) or list(
+        _raised(lambda: check_size(config.geometry, config.mesh.edge_length))
+    )
     return [
         *(shape or check_fit(config)),
         *_names("tissue.patches", config.tissue.patches),
         *_names("record.probes", config.record.probes),
         *_names("targets", config.targets),
         *_patches(config),
+        *_record(config),
         *_references(config),
         *_stimuli(config),
         *_times(config),
@@ -70,7 +77,7 @@ def _names(where: str, items: Sequence[_Named]) -> Iterator[InputError]:
                 f"{item.name!r} cannot be a name",
                 "letters, digits, spaces, - and _, so that --set can use it",
             )
-        elif item.name.isdigit():
+        elif is_index(item.name):
             yield InputError(
                 place, f"the name {item.name!r} would be taken for an index", "a word as a name"
             )
@@ -84,8 +91,31 @@ def _names(where: str, items: Sequence[_Named]) -> Iterator[InputError]:
 
 
 def _patches(config: Config) -> Iterator[InputError]:
+    wrong = False
     for patch in config.tissue.patches:
-        yield from _raised(lambda patch=patch: factors_of(patch))  # type: ignore[misc]
+        for error in _raised(lambda patch=patch: factors_of(patch)):  # type: ignore[misc]
+            wrong = True
+            yield error
+    if not wrong:
+        yield from _raised(lambda: check_diffusivity(config.tissue))
+
+
+def _record(config: Config) -> Iterator[InputError]:
+    every = config.record.frames_every
+    if every is not None and config.time.end / every > _MOST_FRAMES:
+        yield InputError(
+            "record.frames_every",
+            f"{config.time.end / every:.3g} frames of {every:g} tu up to time.end",
+            f"at most {_MOST_FRAMES:.0e} frames",
+            "a larger record.frames_every, or null for none",
+        )
+    for number, probe in enumerate(config.record.probes):
+        if max(map(abs, probe.at)) > LARGEST:
+            yield InputError(
+                f"record.probes.{number}.at",
+                f"{list(probe.at)} is far from any surface",
+                f"coordinates from {-LARGEST:g} to {LARGEST:g}",
+            )
 
 
 def _stimuli(config: Config) -> Iterator[InputError]:

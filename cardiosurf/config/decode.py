@@ -202,7 +202,9 @@ def _complaint(detail: ErrorDetails, annotation: Any) -> str:
     }
     if kind in limits:
         words, key = limits[kind]
-        return f"{words} {context[key]:g}"
+        if kind == "greater_than_equal" and context[key] > 0 >= detail["input"]:
+            words, key = "is not above", ""
+        return f"{words} {context.get(key, 0):g}"
     return f"is refused ({detail['msg'].lower()})"
 
 

@@ -1,5 +1,6 @@
 """A config as it was written: plain data, and where each value of it comes from."""
 
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -7,6 +8,7 @@ from typing import Any, TypeAlias
 from cardiosurf.errors import InputError
 
 KeyPath: TypeAlias = tuple[str | int, ...]
+_LONGEST_INDEX = 10
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,13 @@ class Document:
         # the mesher speaks of "region tissue.patches.block"
         named = error.where.removeprefix("region ")
         path = self.find(named)
+        inner = (*path, "region")
+        if named != error.where and path and self.spelled(path) == named:
+            value = _item(_at(self.data, path), "region")
+            if value is not None:
+                written = json.dumps(value, ensure_ascii=False).replace('"', "")
+                problem = f"{written:.80}: {error.problem}"
+                return InputError(self.where(inner), problem, error.allowed, error.hint)
         if not path:
             where = f"{self.file}: {error.where}" if error.where else self.file
             return InputError(where, error.problem, error.allowed, error.hint)
@@ -93,10 +102,16 @@ def key_in(value: object, word: str) -> str | int | None:
     if isinstance(value, dict):
         return word if word in value else None
     if isinstance(value, list):
-        if word.isdigit():
-            return int(word) if int(word) < len(value) else None
+        if is_index(word):
+            return int(word) if len(word) < _LONGEST_INDEX and int(word) < len(value) else None
         return next((number for number, name in names_in(value) if name == word), None)
     return None
+
+
+def is_index(word: str) -> bool:
+    """Tell whether a word is the index of a list item."""
+    # other scripts' digits, and superscripts, are letters of a name
+    return word.isascii() and word.isdigit()
 
 
 def names_in(items: Iterable[object]) -> list[tuple[int, str]]:
@@ -106,6 +121,12 @@ def names_in(items: Iterable[object]) -> list[tuple[int, str]]:
         for number, item in enumerate(items)
         if isinstance(item, dict) and isinstance(item.get("name"), str)
     ]
+
+
+def _at(value: object, path: KeyPath) -> object:
+    for key in path:
+        value = _item(value, key)
+    return value
 
 
 def _item(value: object, key: str | int) -> object:

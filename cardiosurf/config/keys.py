@@ -176,12 +176,20 @@ def _describe_list(items: tuple[Any, ...], metadata: tuple[Any, ...]) -> str:
 
 def _limits(metadata: tuple[Any, ...]) -> str:
     found: list[str] = []
+    low, high = (_limit(metadata, key) for key in ("ge", "le"))
+    if low is not None and high is not None:
+        return f" from {low:g} to {high:g}"
     for item in _spread(metadata):
         for attribute, words in _LIMIT_WORDS.items():
             limit = getattr(item, attribute, None)
             if limit is not None:
                 found.append(f"{words} {limit:g}")
     return (" " + " and ".join(found)) if found else ""
+
+
+def _limit(metadata: tuple[Any, ...], key: str) -> float | None:
+    limits = (getattr(item, key, None) for item in _spread(metadata))
+    return next((limit for limit in limits if limit is not None), None)
 
 
 _LIMIT_WORDS = {

@@ -14,7 +14,7 @@ from cardiosurf.config.dump import dump_config
 from cardiosurf.config.keys import fields_of
 from cardiosurf.config.overrides import override
 from cardiosurf.config.reader import parse_document, read_document
-from cardiosurf.config.sections import Config
+from cardiosurf.config.sections import LONGEST_NAME, Config
 from cardiosurf.errors import InputError
 
 
@@ -96,4 +96,5 @@ def _loaded(document: Document) -> Loaded:
 
 def _safe_name(stem: str) -> str:
     """Return a file's stem as a word that can name a run."""
-    return re.sub(r"[^A-Za-z0-9_.-]+", "-", stem).strip("-._") or "simulation"
+    word = re.sub(r"[^A-Za-z0-9_.-]+", "-", stem).strip("-._")
+    return word[:LONGEST_NAME].rstrip("-._") or "simulation"

@@ -161,7 +161,17 @@ class _Builder:
             return self.mapping(node, path)
         if isinstance(node, yaml.SequenceNode):
             return [self._noted(item, item, (*path, i)) for i, item in enumerate(node.value)]
+        self._check_text(node, path)
         return scalar(node.tag, node.value)
+
+    def _check_text(self, node: yaml.Node, path: KeyPath) -> None:
+        """Refuse half characters, which escapes in double quotes can spell."""
+        if any("\ud800" <= character <= "\udfff" for character in node.value):
+            raise InputError(
+                _place(self.file, node, path),
+                f"{node.value!r} holds half a character (a surrogate)",
+                "text of whole Unicode characters",
+            )
 
     def mapping(self, node: yaml.MappingNode, path: KeyPath) -> dict[str, Any]:
         first_line: dict[str, int] = {}
@@ -200,6 +210,7 @@ class _Builder:
 
     def _key(self, node: yaml.Node, path: KeyPath) -> str:
         if isinstance(node, yaml.ScalarNode) and node.tag == CORE + "str":
+            self._check_text(node, path)
             return str(node.value)
         if not node.tag.startswith(CORE) or node.tag.removeprefix(CORE) not in _KNOWN_TAGS:
             raise self._tagged(node, path)

@@ -28,13 +28,15 @@ else:
     Kinetics = keyed_union("model", KINETICS, default="rogers_mcculloch")
     AnyStimulus = keyed_union("shape", STIMULI)
 
+LONGEST_NAME = 100
 NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"
 Name: TypeAlias = Annotated[
     str,
     Field(
         pattern=NAME_PATTERN,
-        max_length=100,
-        description="at most 100 letters, digits, _, . and -, beginning with a letter or digit",
+        max_length=LONGEST_NAME,
+        description=f"at most {LONGEST_NAME} letters, digits, _, . and -, "
+        "beginning with a letter or digit",
     ),
 ]
 

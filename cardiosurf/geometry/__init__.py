@@ -2,7 +2,7 @@
 
 from typing import TypeAlias
 
-from cardiosurf.geometry.build import build_surface, points_inside
+from cardiosurf.geometry.build import build_surface, check_size, points_inside
 from cardiosurf.geometry.plane import Plane
 from cardiosurf.geometry.sphere import Sphere
 from cardiosurf.geometry.surface import Surface
@@ -18,4 +18,4 @@ SHAPES: dict[str, type[AnyShape]] = {
     "sphere": Sphere,
 }
 
-__all__ = ["SHAPES", "AnyShape", "Surface", "build_surface", "points_inside"]
+__all__ = ["SHAPES", "AnyShape", "Surface", "build_surface", "check_size", "points_inside"]

@@ -4,6 +4,7 @@ import math
 import re
 from typing import Annotated, Any, TypeAlias
 
+from annotated_types import Interval
 from pydantic import BeforeValidator, WithJsonSchema
 
 _NUMBER = r"\d+(?:\.\d*)?|\.\d+"
@@ -51,6 +52,7 @@ def _radians(value: Any) -> Any:
 
 Angle: TypeAlias = Annotated[
     float,
+    Interval(ge=-100.0, le=100.0),
     BeforeValidator(_radians),
     WithJsonSchema(
         {

@@ -26,9 +26,38 @@ class Shape(Protocol):
         """Raise InputError if the numbers do not make a surface."""
         ...
 
+    def extents(self) -> dict[str, float]:
+        """Return how far the surface reaches, in su, by the key that says so."""
+        ...
+
     def sheet(self, edge_length: float) -> Sheet:
         """Return the exact surface."""
         ...
+
+
+def check_size(shape: Shape, edge_length: float) -> None:
+    """Refuse a shape that is smaller than a mesh edge in any direction.
+
+    Parameters
+    ----------
+    shape : Shape
+        A shape whose numbers do not contradict each other.
+    edge_length : float
+        Usual length of the mesh edges, in su.
+
+    Raises
+    ------
+    InputError
+        Naming the key of the shape.
+    """
+    for key, extent in shape.extents().items():
+        if not extent >= edge_length:
+            raise InputError(
+                f"geometry.{key}",
+                f"it reaches over {extent:.4g} su, less than one mesh edge of {edge_length:g} su",
+                f"at least mesh.edge_length ({edge_length:g})",
+                f"a larger {key}, or a smaller mesh.edge_length",
+            )
 
 
 def build_surface(shape: Shape, edge_length: float, regions: Mapping[str, Region]) -> Surface:
@@ -46,12 +75,14 @@ def build_surface(shape: Shape, edge_length: float, regions: Mapping[str, Region
     Raises
     ------
     InputError
-        If the shape's numbers contradict each other, a region makes no sense on the shape or holds
-        no part of it, or the edge length is not positive or would make too many triangles.
+        If the shape's numbers contradict each other or it is smaller than a mesh edge, a region
+        makes no sense on the shape or holds no part of it, or the edge length is not positive or
+        would make too many triangles.
     """
     shape.check()
     if not 0 < edge_length < np.inf:
         raise InputError("mesh.edge_length", f"{edge_length}", "a positive number")
+    check_size(shape, edge_length)
     sheet = shape.sheet(edge_length)
     if sheet.size**2 / edge_length**2 > 0.4 * _MOST_TRIANGLES:
         raise InputError(

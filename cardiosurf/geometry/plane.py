@@ -9,7 +9,7 @@ from cardiosurf.arrays import Floats, Ints
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.levels import FlatLevel, Level
 from cardiosurf.geometry.sheet import Window, planar_delaunay
-from cardiosurf.sections import Section
+from cardiosurf.sections import Coordinate, Section
 
 _EPSILON = 1e-9
 
@@ -22,8 +22,8 @@ class Plane(Section):
     """
 
     kind: Literal["plane"] = "plane"
-    x: tuple[float, float] = (-100.0, 100.0)
-    y: tuple[float, float] = (-100.0, 100.0)
+    x: tuple[Coordinate, Coordinate] = (-100.0, 100.0)
+    y: tuple[Coordinate, Coordinate] = (-100.0, 100.0)
 
     def check(self) -> None:
         """Raise InputError if the rectangle is empty."""
@@ -34,6 +34,10 @@ class Plane(Section):
                     f"{list(limits)} is not a range",
                     "two numbers, the smaller first",
                 )
+
+    def extents(self) -> dict[str, float]:
+        """Return the two sides, in su."""
+        return {"x": self.x[1] - self.x[0], "y": self.y[1] - self.y[0]}
 
     def sheet(self, edge_length: float) -> "PlaneSheet":
         """Return the exact surface (the same for every edge length)."""

@@ -13,7 +13,7 @@ from typing import Annotated, Any, TypeAlias
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from cardiosurf.geometry.angles import Angle
-from cardiosurf.sections import Positive, Section
+from cardiosurf.sections import SMALLEST, Coordinate, Positive, Section
 
 
 def _increasing(limits: tuple[float, float]) -> tuple[float, float]:
@@ -26,15 +26,15 @@ def _increasing(limits: tuple[float, float]) -> tuple[float, float]:
 
 def _nonzero(normal: tuple[float, float, float]) -> tuple[float, float, float]:
     """Refuse a normal without a direction."""
-    if not any(normal):
-        msg = "has no direction"
+    if max(map(abs, normal)) < SMALLEST:
+        msg = f"has no direction: no component is as large as {SMALLEST:g}"
         raise ValueError(msg)
     return normal
 
 
-Range: TypeAlias = Annotated[tuple[float, float], AfterValidator(_increasing)]
+Range: TypeAlias = Annotated[tuple[Coordinate, Coordinate], AfterValidator(_increasing)]
 AngleRange: TypeAlias = Annotated[tuple[Angle, Angle], AfterValidator(_increasing)]
-Vector: TypeAlias = tuple[float, float, float]
+Vector: TypeAlias = tuple[Coordinate, Coordinate, Coordinate]
 Direction: TypeAlias = Annotated[Vector, AfterValidator(_nonzero)]
 
 
@@ -60,7 +60,7 @@ class HalfSpaceLimits(Section):
     """The side that ``normal`` points to: normal . x >= offset (normal is made a unit vector)."""
 
     normal: Direction
-    offset: float = 0.0
+    offset: Coordinate = 0.0
 
 
 @dataclass(frozen=True)

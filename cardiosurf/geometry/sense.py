@@ -16,6 +16,7 @@ from cardiosurf.geometry.regions import (
     Region,
 )
 from cardiosurf.geometry.sheet import Sheet
+from cardiosurf.sections import SMALLEST
 
 _ANGLES = ("theta", "phi")
 
@@ -61,8 +62,13 @@ def _check_limits(region: Region, where: str) -> None:
                 _check_range(limit, f"{where}: box: {axis}")
         case Ball(limits) if not limits.radius > 0:
             raise InputError(f"{where}: ball: radius", f"{limits.radius}", "above 0")
-        case HalfSpace(limits) if not any(limits.normal):
-            raise InputError(f"{where}: half_space: normal", "all zero", "any direction")
+        case HalfSpace(limits) if max(map(abs, limits.normal)) < SMALLEST:
+            raise InputError(
+                f"{where}: half_space: normal",
+                f"{list(limits.normal)}",
+                "any direction",
+                "[1, 0, 0]",
+            )
         case PatchReference(patch):
             raise InputError(
                 where, f"the patch {patch!r} is not resolved", "", "the patch's own region"

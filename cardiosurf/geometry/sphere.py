@@ -29,6 +29,10 @@ class Sphere(Section):
         if not self.radius > 0:
             raise InputError("geometry.radius", f"{self.radius} is not positive", "above 0")
 
+    def extents(self) -> dict[str, float]:
+        """Return the radius, in su."""
+        return {"radius": self.radius}
+
     def sheet(self, edge_length: float) -> "SphereSheet":
         """Return the exact surface (the same for every edge length)."""
         self.check()

@@ -65,6 +65,10 @@ class TDomain(Section):
                 "0 < left_half_width <= right_half_width",
             )
 
+    def extents(self) -> dict[str, float]:
+        """Return the tip's radius and the narrow rectangle's half width, in su."""
+        return {"tip_radius": self.tip_radius, "left_half_width": self.left_half_width}
+
     def sheet(self, edge_length: float) -> "TDomainSheet":
         """Return the exact surface, its cusps cut off where they are 0.6 edge_length wide."""
         self.check()

@@ -54,6 +54,10 @@ class Vein(Section):
                 "root_radius < half_width",
             )
 
+    def extents(self) -> dict[str, float]:
+        """Return the radius of the tip, in su: the root and the square are wider."""
+        return {"tip_radius": self.tip_radius}
+
     def sheet(self, edge_length: float) -> "VeinSheet":
         """Return the exact surface (the same for every edge length)."""
         self.check()

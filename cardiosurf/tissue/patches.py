@@ -7,7 +7,7 @@ from pydantic import Discriminator, Tag
 
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.regions import Region
-from cardiosurf.sections import Positive, Section
+from cardiosurf.sections import LARGEST, SMALLEST, Positive, Section
 
 
 def _form(value: Any) -> str:
@@ -82,7 +82,8 @@ def factors_of(patch: Patch) -> dict[str, float] | float:
     Raises
     ------
     InputError
-        If both are given, if no axis is named, or if a factor is not above 0.
+        If both are given, if no axis is named, or if a factor on the diffusivity is not within
+        1e-6 to 1e6.
     """
     where = patch_key(patch.name)
     if patch.anisotropy is not None and patch.frame_scaling is not None:
@@ -105,14 +106,47 @@ def factors_of(patch: Patch) -> dict[str, float] | float:
             f"{key}: {{theta: 8}} on a vein or a sphere, {key}: {{x: 8}} on a plane",
         )
     for axis, factor in named.items():
+        at = f"{where}.{key}.{axis}".rstrip(".")
         # written so that NaN is caught too
         if not 0.0 < factor < float("inf"):
             raise InputError(
-                f"{where}.{key}.{axis}".rstrip("."),
-                f"{factor} makes a tensor that is not positive",
-                "a finite number above 0",
+                at, f"{factor} makes a tensor that is not positive", "a finite number above 0"
+            )
+        scaled = factor if patch.frame_scaling is None else factor * factor
+        if not SMALLEST <= scaled <= LARGEST:
+            raise InputError(
+                at,
+                f"{factor:g} is a factor of {scaled:g} on the diffusivity",
+                f"a factor from {SMALLEST:g} to {LARGEST:g} on the diffusivity",
             )
     return given if patch.frame_scaling is None else _squared(patch)
+
+
+def check_diffusivity(section: TissueSection) -> None:
+    """Refuse patches whose diffusivity times a factor is beyond 1e-6 to 1e6 su^2/tu.
+
+    Parameters
+    ----------
+    section : TissueSection
+        Ambient diffusivity and patches.
+
+    Raises
+    ------
+    InputError
+        Naming the patch; also what ``factors_of`` raises.
+    """
+    for patch in section.patches:
+        factors = factors_of(patch)
+        base = section.diffusivity if patch.diffusivity is None else patch.diffusivity
+        for factor in factors.values() if isinstance(factors, dict) else (factors,):
+            if not SMALLEST <= base * factor <= LARGEST:
+                raise InputError(
+                    patch_key(patch.name),
+                    f"diffusivity {base:g} times the factor {factor:g} is "
+                    f"{base * factor:g} su^2/tu",
+                    f"a product from {SMALLEST:g} to {LARGEST:g}",
+                    "a smaller factor, or another diffusivity",
+                )
 
 
 def _squared(patch: Patch) -> dict[str, float] | float:

@@ -14,7 +14,7 @@ from cardiosurf.errors import InputError
 from cardiosurf.geometry.nearest import nearest_point
 from cardiosurf.geometry.regions import Region, Vector
 from cardiosurf.geometry.surface import Surface
-from cardiosurf.sections import NonNegative, Positive, Section
+from cardiosurf.sections import Amplitude, Instant, Positive, Section, Span, Strength
 from cardiosurf.spelling import did_you_mean
 from cardiosurf.tissue.distance import distance_to_segments
 
@@ -67,10 +67,10 @@ class Timing(Section):
         More beats than one; at most one of them.
     """
 
-    at: NonNegative = 0.0
-    duration: Positive | None = None
-    strength: Positive | None = None
-    amplitude: Positive = 1.0
+    at: Instant = 0.0
+    duration: Span | None = None
+    strength: Strength | None = None
+    amplitude: Amplitude = 1.0
     train: Train | None = None
     s1s2: S1S2 | None = None
 

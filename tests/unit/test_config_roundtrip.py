@@ -29,22 +29,27 @@ from cardiosurf.tissue.stimuli import S1S2, EdgeStimulus, PointStimulus, RegionS
 
 number = st.floats(-1e6, 1e6, allow_nan=False)
 positive = st.floats(1e-3, 1e6)
+factor = st.floats(0.1, 30.0)
 vector = st.tuples(number, number, number)
 ranges = st.tuples(number, number).filter(lambda r: r[0] != r[1]).map(lambda r: (min(r), max(r)))
+wide = ranges.filter(lambda r: r[1] - r[0] >= 2.5)
 # words that YAML could take for something else are the interesting names
 names = st.sampled_from(["no", "null", "true", "1e3", "0x1F", "on", "a b", "x", "y", "_", "pi"])
 
 
 def regions(part: str, *, angles: bool) -> st.SearchStrategy:
     some = st.none() | ranges
+    turn = st.none() | ranges.map(lambda r: (r[0] / 1e5, r[1] / 1e5)).filter(lambda r: r[0] < r[1])
     leaves = [
         st.builds(BoxLimits, some, some, some).map(Box),
         st.builds(BallLimits, vector, positive).map(Ball),
-        st.builds(HalfSpaceLimits, vector.filter(any), number).map(HalfSpace),
+        st.builds(HalfSpaceLimits, vector.filter(lambda n: max(map(abs, n)) > 1e-6), number).map(
+            HalfSpace
+        ),
         st.just(Part(part)),
     ]
     if angles:
-        leaves.append(st.builds(PolarLimits, some, some).map(Polar))
+        leaves.append(st.builds(PolarLimits, turn, turn).map(Polar))
     return st.recursive(
         st.one_of(leaves),
         lambda inner: st.one_of(
@@ -61,14 +66,14 @@ def configs(draw: st.DrawFn) -> Config:
     plane = draw(st.booleans())
     axes = ("x", "y") if plane else ("theta", "phi")
     region = regions("plane" if plane else "sphere", angles=not plane)
-    factors = st.none() | positive | st.dictionaries(st.sampled_from(axes), positive, min_size=1)
+    factors = st.none() | factor | st.dictionaries(st.sampled_from(axes), factor, min_size=1)
     patch_names = draw(st.lists(names, unique=True, max_size=2))
     patches = [
         Patch(
             name,
             draw(region),
             **{draw(st.sampled_from(["anisotropy", "frame_scaling"])): draw(factors)},
-            diffusivity=draw(st.none() | positive),
+            diffusivity=draw(st.none() | factor),
             excitable=draw(st.booleans()),
         )
         for name in patch_names
@@ -84,15 +89,15 @@ def configs(draw: st.DrawFn) -> Config:
         stimuli.append(EdgeStimulus(edge="left", position=draw(positive)))
     return Config(
         name=draw(st.sampled_from(["a", "no", "1e3", "plane-0.5"])),
-        geometry=Plane(x=draw(ranges)) if plane else Sphere(radius=draw(positive)),
+        geometry=Plane(x=draw(wide)) if plane else Sphere(radius=draw(st.floats(2.5, 1e6))),
         kinetics=draw(
             st.builds(RogersMcCulloch, a=positive) | st.builds(FitzHughNagumo, c2=positive)
         ),
-        tissue=TissueSection(draw(positive), tuple(patches)),
+        tissue=TissueSection(draw(factor), tuple(patches)),
         stimulus=tuple(draw(st.permutations(stimuli))),
-        time=TimeSection(end=1e8, step=draw(st.just("auto") | positive)),
+        time=TimeSection(end=1e7, step=draw(st.just("auto") | positive)),
         record=RecordSection(
-            frames_every=draw(st.none() | positive),
+            frames_every=draw(st.none() | st.floats(10.0, 1e6)),
             probes=tuple(ProbeSection(name, draw(vector)) for name in patch_names),
         ),
     )
