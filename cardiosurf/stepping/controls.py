@@ -6,19 +6,22 @@ from typing import Annotated, Literal
 import numpy as np
 from annotated_types import Ge, Le
 
+from cardiosurf.errors import InputError
 from cardiosurf.fem.operators import Operators
 from cardiosurf.kinetics import Kinetics
-from cardiosurf.sections import Positive, Section
+from cardiosurf.sections import Positive, Section, Span
 from cardiosurf.stepping.schemes import SCHEMES, Scheme
 from cardiosurf.stepping.solvers import LOOSEST_TOLERANCE, SolverChoice, choose_solver
 from cardiosurf.stepping.step_rule import StepChoice, asked_step, auto_step
+
+MOST_STEPS = 1e7
 
 
 @dataclass(frozen=True)
 class TimeSection(Section):
     """How time goes: ``end`` and the longest ``step`` in tu, scheme and linear solver."""
 
-    end: Positive
+    end: Span
     step: Positive | Literal["auto"] = "auto"
     scheme: Literal["imex_euler", "cnab2", "sbdf2"] = "sbdf2"
     solver: Literal["auto", "cg", "direct"] = "auto"
@@ -62,6 +65,8 @@ def decide(section: TimeSection, kinetics: Kinetics, operators: Operators) -> Co
 
     Raises
     ------
+    InputError
+        The run would take more than 10 million steps.
     NumericalError
         The step asked for is unstable.
     """
@@ -71,12 +76,26 @@ def decide(section: TimeSection, kinetics: Kinetics, operators: Operators) -> Co
     else:
         # steps fall on the end, so none is longer than the whole
         step = asked_step(scheme, kinetics, min(section.step, section.end))
+    steps = section.end / step.step
+    if steps > MOST_STEPS:
+        given = (
+            "time.step: auto, set by the constants of kinetics" if section.step == "auto" else ""
+        )
+        raise InputError(
+            "time.step",
+            f"{steps:.3g} steps of {step.step:g} tu up to time.end ({section.end:g} tu)"
+            + (f" ({given})" if given else ""),
+            f"at most {MOST_STEPS:.0e} steps",
+            "slower kinetics, or a smaller time.end"
+            if given
+            else "a larger time.step, or a smaller time.end",
+        )
     weight = step.step * scheme.implicit[0] / scheme.state[0]
     rates = operators.stiffness.diagonal() / operators.mass.diagonal()
     solver = choose_solver(
         len(rates),
         stiffness=weight * float(np.mean(rates)),
-        steps=section.end / step.step,
+        steps=steps,
         wanted=section.solver,
         tolerance=section.tolerance,
     )

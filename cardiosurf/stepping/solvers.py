@@ -132,12 +132,18 @@ def direct() -> SolverFactory:
     """
 
     def factory(matrix: Matrix) -> Solve:
-        factors = splu(
-            matrix.tocsc(),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
+        try:
+            factors = splu(
+                matrix.tocsc(),
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError as error:
+            raise NumericalError(
+                f"the matrix of a step cannot be factorised: {error}",
+                "diffusivities and factors nearer to 1, or time.solver: cg",
+            ) from error
 
         def solve(rhs: Floats, guess: Floats) -> tuple[Floats, int]:
             return factors.solve(rhs), 0

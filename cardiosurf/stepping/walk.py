@@ -14,9 +14,12 @@ from cardiosurf.kinetics import Kinetics
 from cardiosurf.stepping.controls import Controls
 from cardiosurf.stepping.moment import Checkpoint, Moment
 from cardiosurf.stepping.schedule import Pulse, Segment, current, pending, schedule, switch_on
+from cardiosurf.stepping.step_rule import ERROR_COEFFICIENTS, auto_step, reaction_rate
 from cardiosurf.stepping.stepper import Advance, Past, Stepper
 
 BLOW_UP = 10.0
+# steps after a switch of the stimuli in which a blow-up is put down to them
+SOON = 20
 
 
 @dataclass(frozen=True)
@@ -152,11 +155,32 @@ def _advance(stepper: Stepper, past: Past, place: _Place, source: Floats | None)
     if not -BLOW_UP <= lowest <= highest <= BLOW_UP:
         raise NumericalError(
             f"the potential blew up to {max(-lowest, highest):.3g} {where}",
-            f"a time.step below {segment.step:g}, or time.step: auto",
+            _remedy(stepper, place, source),
         )
     if not np.isfinite(new.state[1].sum()):
         raise NumericalError(
             f"the recovery is not finite {where}",
-            f"a time.step below {segment.step:g}, or time.step: auto",
+            f"a time.step below {segment.step:g}, or slower kinetics",
         )
     return new
+
+
+def _remedy(stepper: Stepper, place: _Place, source: Floats | None) -> str:
+    """Return what to try after a blow-up: what is likely its cause comes first."""
+    step = place.segment.step
+    advice = [f"a time.step below {step:g}"]
+    if _auto(stepper) < step:
+        advice.append("time.step: auto")
+    # a stable step is not what makes u run away just after, or during, a stimulus
+    elif source is not None or place.done <= SOON:
+        advice.insert(0, "a weaker stimulus (its amplitude or strength)")
+    return ", or ".join(advice)
+
+
+def _auto(stepper: Stepper) -> float:
+    """Return the step that auto stands for, infinite where the rule knows none."""
+    with np.errstate(all="ignore"):
+        known = np.isfinite(reaction_rate(stepper.kinetics))
+    if not known or stepper.scheme.name not in ERROR_COEFFICIENTS:
+        return np.inf
+    return auto_step(stepper.scheme, stepper.kinetics).step

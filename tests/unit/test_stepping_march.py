@@ -275,11 +275,21 @@ def test_a_step_too_large_is_named_where_it_blows_up(wave):
     done = witness.moments[-1]
     assert f"at step {done.step + 1}, t = {done.time + 40.0:g} tu" in caught.value.problem
     assert "blew up" in caught.value.problem
-    assert "time.step" in caught.value.hint
+    assert caught.value.hint == "a time.step below 40, or time.step: auto"
     assert caught.value.exit_code == 3
     # the step before was still sound, and nothing was finalised
     assert np.abs(done.state[0]).max() <= 10.0
     assert witness.last == []
+
+
+def test_a_stimulus_too_strong_is_what_the_hint_names(wave):
+    _, problem = wave
+    strong = replace(problem, pulses=(Pulse(10.0 * problem.pulses[0].profile),))
+    # a step as short as auto's, so it is not at fault
+    with pytest.raises(NumericalError) as caught:
+        march(strong, controls(1.0, 40.0), ())
+    assert caught.value.hint.startswith("a weaker stimulus")
+    assert "auto" not in caught.value.hint
 
 
 @pytest.mark.parametrize("solver", ["cg", "direct"])

@@ -97,3 +97,8 @@ def test_the_choice_follows_the_measured_rule(nodes, stiffness, steps, name):
 def test_the_user_has_the_last_word(name):
     choice = choose_solver(10, wanted=name)
     assert (choice.name, choice.reason) == (name, "asked for")
+
+
+def test_a_matrix_that_cannot_be_factorised_is_a_numerical_failure():
+    with pytest.raises(NumericalError, match="cannot be factorised"):
+        direct()(csr_array(np.zeros((2, 2))))
