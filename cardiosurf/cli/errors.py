@@ -24,6 +24,10 @@ _UNUSABLE = {
     errno.EPERM: ("permission denied", "write elsewhere with -o, or change the permissions"),
     errno.EROFS: ("the file system is read-only", "write elsewhere with -o"),
     errno.ENOTDIR: ("a part of the path is a file, not a folder", "another path"),
+    errno.ENAMETOOLONG: ("the name is too long", "a shorter name"),
+    errno.ELOOP: ("the links of the path run in a circle", "another path"),
+    errno.EFBIG: ("the file would be larger than the limit set for files", "raise ulimit -f"),
+    errno.EIO: ("the disk reports a fault", "another disk, with -o"),
     errno.EISDIR: ("is a folder", "the path of a file"),
     errno.ENOENT: ("no such file or folder", "make the folder first, or check the spelling"),
 }

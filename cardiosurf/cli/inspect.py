@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from cardiosurf.cli.errors import say
-from cardiosurf.errors import InputError
+from cardiosurf.errors import CardiosurfError, InputError
 
 if TYPE_CHECKING:
     from cardiosurf.config import Loaded
@@ -39,19 +39,19 @@ def validate(configs: tuple[str, ...], overrides: tuple[str, ...], *, with_mesh:
     """
     from cardiosurf.config import load
 
-    wrong = 0
+    wrong, worst = 0, 0
     for file in configs:
         try:
             loaded = load(file, overrides)
             built = f", {_built(loaded)}" if with_mesh else ""
             click.echo(f"ok  {file}  {_contents(loaded)}{built}")
-        except InputError as error:
-            wrong += 1
+        except CardiosurfError as error:
+            wrong, worst = wrong + 1, max(worst, error.exit_code)
             say(f"error: {error}")
     if wrong and len(configs) > 1:
         say(f"{wrong} of {len(configs)} files are wrong")
     if wrong:
-        raise click.exceptions.Exit(InputError.exit_code)
+        raise click.exceptions.Exit(worst)
 
 
 @click.command()
@@ -135,15 +135,11 @@ def _surface(loaded: Loaded) -> Surface:
 def _built(loaded: Loaded) -> str:
     """Build all that a run would march over, and return its size."""
     from cardiosurf.recording.probe_sites import place_probes
-    from cardiosurf.tissue.stimuli import build_pulses
-    from cardiosurf.tissue.tensor import build_tissue
+    from cardiosurf.study.setup import set_up
 
-    config = loaded.config
-    surface = _surface(loaded)
     with loaded.naming_lines():
-        build_tissue(surface, config.tissue)
-        build_pulses(surface, config.stimulus)
-        place_probes(surface, config.record.probes)
+        surface = set_up(loaded.config).surface
+        place_probes(surface, loaded.config.record.probes)
     return f"{len(surface.points)} vertices, {len(surface.triangles)} triangles"
 
 
@@ -182,25 +178,25 @@ def _report(loaded: Loaded, surface: Surface) -> list[str]:
 
 def _check_output(output: Path, *, overwrite: bool) -> None:
     """Refuse an output file that cannot be written, before any work is done."""
-    import meshio
+    from cardiosurf.geometry.export import written_files
 
-    endings = sorted(meshio.extension_to_filetypes)
-    if output.suffix.lower() not in endings:
-        given = f"the ending {output.suffix!r}" if output.suffix else "a name without an ending"
-        raise InputError(
-            f"-o {output}",
-            f"{given} names no mesh format",
-            " ".join(endings),
-            f"-o {output.stem}.vtu",
-        )
+    try:
+        files = written_files(output)
+    except InputError as error:
+        hint = f"-o {error.hint}"
+        raise InputError(f"-o {output}", error.problem, error.allowed, hint) from None
     if output.is_dir():
         raise InputError(f"-o {output}", "is a folder", "a file", f"-o {output}/surface.vtu")
     if not output.parent.is_dir():
         raise InputError(
             f"-o {output}", f"there is no folder {output.parent}", "an existing folder"
         )
-    if output.exists() and not overwrite:
-        raise InputError(f"-o {output}", "the file is there already", "a new file, or --overwrite")
+    there = [file for file in files if file.exists()]
+    if there and not overwrite:
+        what = "the file" if there[0] == output else f"{there[0]}, which goes with it,"
+        raise InputError(f"-o {output}", f"{what} is there already", "a new file, or --overwrite")
+    if any(file.is_dir() for file in there):
+        raise InputError(f"-o {output}", f"{there[0]} is a folder", "another name")
 
 
 def _write_whole(surface: Surface, output: Path) -> None:

@@ -1,9 +1,12 @@
 """The command ``cardiosurf``."""
 
+import fcntl
+import os
 import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from pathlib import Path
 
 import click
 
@@ -89,6 +92,20 @@ def _heed_signals() -> None:
         signal.signal(number, signal.default_int_handler)
 
 
+def _open_closed_output() -> None:
+    """Let a command whose stdout or stderr is closed run on, its words unread."""
+    for name, number in (("stdout", 1), ("stderr", 2)):
+        if getattr(sys, name) is None or not _is_writable(number):
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
+
+
+def _is_writable(number: int) -> bool:
+    try:
+        return fcntl.fcntl(number, fcntl.F_GETFL) & os.O_ACCMODE != os.O_RDONLY
+    except OSError:
+        return False
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code.
 
@@ -100,6 +117,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     if arguments is None:
         _heed_signals()
+        _open_closed_output()
     try:
         with cli.make_context("cardiosurf", words) as context:
             cli.invoke(context)

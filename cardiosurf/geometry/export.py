@@ -1,4 +1,4 @@
-"""Writing a surface's mesh to any format meshio knows."""
+"""Writing a surface's mesh to the formats that hold triangles on a surface."""
 
 from pathlib import Path
 
@@ -7,6 +7,42 @@ import numpy as np
 
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.surface import Surface
+
+# ending -> endings of the files beside it that a format puts data into; meshio knows more
+# endings, but some need packages that are not here, hold no surface, or cannot be read back
+FORMATS: dict[str, tuple[str, ...]] = {
+    ".vtu": (),
+    ".vtk": (),
+    ".xdmf": (".h5",),
+    ".msh": (),
+    ".ply": (),
+    ".stl": (),
+    ".off": (),
+    ".obj": (),
+    ".mesh": (),
+    ".inp": (),
+    ".med": (),
+}
+
+
+def written_files(path: Path) -> tuple[Path, ...]:
+    """Return every file that writing a mesh to ``path`` makes, ``path`` first.
+
+    Raises
+    ------
+    InputError
+        If the ending names none of the formats.
+    """
+    ending = path.suffix.lower()
+    if ending not in FORMATS:
+        given = f"the ending {path.suffix!r}" if path.suffix else "a name without an ending"
+        raise InputError(
+            str(path),
+            f"{given} names no mesh format",
+            " ".join(FORMATS),
+            f"{path.stem}.vtu",
+        )
+    return (path, *(path.with_suffix(beside) for beside in FORMATS[ending]))
 
 
 def write_mesh(surface: Surface, path: Path | str) -> None:
@@ -21,13 +57,17 @@ def write_mesh(surface: Surface, path: Path | str) -> None:
     surface : Surface
         What to write.
     path : Path or str
-        File to write; its ending names the format (vtu, vtk, ply, stl, msh, off, obj, xdmf ...).
+        File to write; its ending, one of ``FORMATS``, names the format.
 
     Raises
     ------
     InputError
-        If the ending names no format meshio can write, or the file cannot be written.
+        If the ending names none of the formats, or the format cannot hold the surface.
+    OSError
+        If the file cannot be written.
     """
+    path = Path(path)
+    written_files(path)
     data = {
         "part": [surface.part_of.astype(np.int32)],
         "e1": [np.ascontiguousarray(surface.frame[:, 0])],
@@ -42,13 +82,13 @@ def write_mesh(surface: Surface, path: Path | str) -> None:
             meshio.write(path, meshio.Mesh(surface.points, cells))
         except (meshio.WriteError, KeyError, ValueError) as problem:
             raise _unwritable(path, problem) from problem
-    except (OSError, KeyError, ValueError, meshio.ReadError) as problem:
+    except (KeyError, ValueError, meshio.ReadError) as problem:
         raise _unwritable(path, problem) from problem
 
 
-def _unwritable(path: Path | str, problem: Exception) -> InputError:
+def _unwritable(path: Path, problem: Exception) -> InputError:
     return InputError(
         str(path),
-        f"the mesh cannot be written: {problem}",
-        "an ending that meshio knows: .vtu, .vtk, .ply, .stl, .msh, .off, .obj, .xdmf",
+        f"the mesh cannot be written in this format: {problem}",
+        "another format: " + " ".join(FORMATS),
     )

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from cardiosurf.cli.main import main
+from cardiosurf.geometry.export import FORMATS, written_files
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 GOOD = """\
@@ -58,7 +59,7 @@ def test_validate_builds_the_mesh_when_asked(folder, capsys):
 
 # meshio's STL reader multiplies a 32-bit count to tell binary files from text
 @pytest.mark.filterwarnings("ignore:overflow encountered:RuntimeWarning:meshio")
-@pytest.mark.parametrize("suffix", ["vtu", "vtk", "ply", "stl", "msh", "xdmf", "off", "obj"])
+@pytest.mark.parametrize("suffix", [ending[1:] for ending in FORMATS])
 def test_mesh_writes_what_meshio_reads_back(suffix, folder, capsys):
     assert main(["mesh", "good.yaml", "-o", f"out.{suffix}"]) == 0
     assert f"written to out.{suffix}" in capsys.readouterr().out
@@ -68,10 +69,22 @@ def test_mesh_writes_what_meshio_reads_back(suffix, folder, capsys):
     (ax, ay), (bx, by) = (corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T
     # .ply and .stl may hold single precision
     assert 0.5 * np.abs(ax * by - ay * bx).sum() == pytest.approx(100.0 * 100.0, rel=1e-5)
-    beside = {"good.yaml", "bad.yaml", f"out.{suffix}"} | (
-        {"out.h5"} if suffix == "xdmf" else set()
-    )
-    assert {path.name for path in folder.iterdir()} == beside
+    made = {path.name for path in written_files(Path(f"out.{suffix}"))}
+    assert {path.name for path in folder.iterdir()} == {"good.yaml", "bad.yaml"} | made
+
+
+def test_mesh_replaces_no_file_that_goes_with_it(folder, capsys):
+    (folder / "out.h5").write_text("mine")
+    assert main(["mesh", "good.yaml", "-o", "out.xdmf"]) == 2
+    assert "out.h5, which goes with it, is there already" in capsys.readouterr().err
+    assert (folder / "out.h5").read_text() == "mine"
+    assert not (folder / "out.xdmf").exists()
+
+
+@pytest.mark.parametrize("suffix", ["e", "ex2", "h5m", "su2", "ele", "vol.gz", "f3grid"])
+def test_mesh_refuses_formats_that_hold_no_surface(suffix, folder, capsys):
+    assert main(["mesh", "good.yaml", "-o", f"out.{suffix}"]) == 2
+    assert "names no mesh format" in capsys.readouterr().err
 
 
 def test_mesh_carries_parts_and_regions(folder):
