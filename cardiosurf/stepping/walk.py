@@ -180,7 +180,7 @@ def _remedy(stepper: Stepper, place: _Place, source: Floats | None) -> str:
 def _auto(stepper: Stepper) -> float:
     """Return the step that auto stands for, infinite where the rule knows none."""
     with np.errstate(all="ignore"):
-        known = np.isfinite(reaction_rate(stepper.kinetics))
+        known = 0.0 < reaction_rate(stepper.kinetics) < np.inf
     if not known or stepper.scheme.name not in ERROR_COEFFICIENTS:
         return np.inf
     return auto_step(stepper.scheme, stepper.kinetics).step
