@@ -8,21 +8,18 @@ import numpy as np
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.surface import Surface
 
-# ending -> endings of the files beside it that a format puts data into; meshio knows more
-# endings, but some need packages that are not here, hold no surface, or cannot be read back
+# every ending of meshio's that holds a surface and can be read back -> endings of the files that
+# are written beside it; the others need packages that are not here, or lose triangles or digits
 FORMATS: dict[str, tuple[str, ...]] = {
-    ".vtu": (),
-    ".vtk": (),
-    ".xdmf": (".h5",),
-    ".msh": (),
-    ".ply": (),
-    ".stl": (),
-    ".off": (),
-    ".obj": (),
-    ".mesh": (),
-    ".inp": (),
-    ".med": (),
+    **dict.fromkeys((".xdmf", ".xmf"), (".h5",)),
+    **dict.fromkeys(
+        (".vtu", ".vtk", ".msh", ".ply", ".stl", ".off", ".obj", ".mesh", ".meshb", ".inp"), ()
+    ),
+    **dict.fromkeys((".med", ".hmf", ".mdpa", ".avs", ".vol"), ()),
+    **dict.fromkeys((".post", ".dato", ".dat", ".tec", ".h5m", ".xml"), ()),
 }
+BARE = (".h5m", ".xml")
+"""Endings of formats that meshio writes without cell data only."""
 
 
 def written_files(path: Path) -> tuple[Path, ...]:
@@ -74,6 +71,8 @@ def write_mesh(surface: Surface, path: Path | str) -> None:
         "e2": [np.ascontiguousarray(surface.frame[:, 1])],
         **{f"region_{name}": [mask.astype(np.int32)] for name, mask in surface.regions.items()},
     }
+    if path.suffix.lower() in BARE:
+        data = {}
     cells = [("triangle", surface.triangles)]
     try:
         meshio.write(path, meshio.Mesh(surface.points, cells, cell_data=data))

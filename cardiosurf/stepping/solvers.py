@@ -43,8 +43,10 @@ class SolverChoice:
 def conjugate_gradients(tolerance: float = 1e-7) -> SolverFactory:
     """Return the factory of conjugate gradients with Jacobi preconditioning.
 
-    It stops at |b - A x| <= tolerance |b|. The same loop in scipy costs a third more at 12,000
-    nodes and twice as much at 500, in checks that it repeats at every call (docs/numerics.md).
+    It stops at |b - A x| <= tolerance |b|.
+
+    The loop is the project's own because its sums do not depend on the number of BLAS threads, as
+    those of scipy's do; it is about as fast (benchmarks/README.md).
 
     Parameters
     ----------

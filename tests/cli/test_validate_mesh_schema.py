@@ -81,7 +81,7 @@ def test_mesh_replaces_no_file_that_goes_with_it(folder, capsys):
     assert not (folder / "out.xdmf").exists()
 
 
-@pytest.mark.parametrize("suffix", ["e", "ex2", "h5m", "su2", "ele", "vol.gz", "f3grid"])
+@pytest.mark.parametrize("suffix", ["e", "ex2", "bdf", "su2", "ele", "vol.gz", "f3grid"])
 def test_mesh_refuses_formats_that_hold_no_surface(suffix, folder, capsys):
     assert main(["mesh", "good.yaml", "-o", f"out.{suffix}"]) == 2
     assert "names no mesh format" in capsys.readouterr().err
