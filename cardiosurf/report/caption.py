@@ -8,7 +8,11 @@ def verdict_caption(verdict: Verdict) -> str:
     """Return the verdict and what happened to each target, in one line."""
     line = f"verdict: {verdict.verdict.replace('_', ' ')}"
     targets = "; ".join(_target(target) for target in verdict.targets)
-    return f"{line} ({targets})" if targets else line
+    line = f"{line} ({targets})" if targets else line
+    # a wave that came back and died does not decide the verdict, but the picture shows it
+    return (
+        line if verdict.reentry.verdict == "none" else f"{line}; {verdict.reentry.verdict} reentry"
+    )
 
 
 def _target(target: TargetFinding) -> str:

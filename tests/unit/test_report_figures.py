@@ -8,6 +8,7 @@ from matplotlib.colors import BoundaryNorm, Normalize, to_rgb
 from recording_samples import sample_recording
 
 from cardiosurf.analysis.findings import judge_recording
+from cardiosurf.analysis.reentry import ReentryFinding
 from cardiosurf.errors import InputError
 from cardiosurf.geometry import build_surface
 from cardiosurf.geometry.vein import Vein
@@ -194,3 +195,9 @@ def test_caption_tells_the_verdict_and_each_target():
     # of the far end, x > 48 su, the nodes at x = 60 were never activated
     caption = verdict_caption(judge_recording(sample_recording()))
     assert caption == "verdict: block (far end: block, 0 % activated)"
+
+
+def test_caption_tells_of_reentry_that_died():
+    verdict = judge_recording(sample_recording())
+    echo = replace(verdict, reentry=ReentryFinding("transient", 2, 1115.0))
+    assert verdict_caption(echo).endswith("activated); transient reentry")
