@@ -34,6 +34,12 @@ def _show(verdict: Verdict, extra: list[str], *, as_json: bool) -> None:
 )
 @click.option("--overwrite", is_flag=True, help="Replace a finished or unfinished run there.")
 @click.option("--resume", is_flag=True, help="Go on with an unfinished run there, if any.")
+@click.option("--no-jit", is_flag=True, help="March with NumPy and SciPy, not in machine code.")
+@click.option(
+    "--threads",
+    type=click.IntRange(1, 64),
+    help="Threads of the march.  [default: as many as pay, at most OMP_NUM_THREADS]",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the verdict as JSON.")
 def run(
     config: Path,
@@ -42,6 +48,8 @@ def run(
     *,
     overwrite: bool,
     resume: bool,
+    no_jit: bool,
+    threads: int | None,
     as_json: bool,
 ) -> None:
     r"""Run a config and say whether conduction is blocked.
@@ -56,6 +64,7 @@ def run(
     """
     from cardiosurf.config import load
     from cardiosurf.report.summary import cost_line
+    from cardiosurf.stepping.controls import Execution
     from cardiosurf.study.folder import RunFolder
     from cardiosurf.study.simulation import simulate
 
@@ -65,7 +74,8 @@ def run(
     if resume and not (place.resumable or place.finished):
         click.echo(f"nothing to resume in {folder}: starting from the beginning", err=True)
     try:
-        result = simulate(loaded, folder, overwrite=overwrite, resume=resume)
+        execution = Execution(jit=not no_jit, threads=threads)
+        result = simulate(loaded, folder, overwrite=overwrite, resume=resume, execution=execution)
     except KeyboardInterrupt:
         if place.resumable:
             click.echo(f"\nstopped; go on with: --resume -o {folder}", err=True)

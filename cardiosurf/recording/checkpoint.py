@@ -15,7 +15,7 @@ from cardiosurf.recording.observers import Recorder
 from cardiosurf.recording.whole_file import whole_file
 from cardiosurf.stepping.moment import Checkpoint, Moment
 
-SCHEMA = "cardiosurf/checkpoint/2"
+SCHEMA = "cardiosurf/checkpoint/3"
 
 
 class CheckpointWriter:
@@ -67,6 +67,10 @@ class CheckpointWriter:
             self._write(moment)
             if self._stopping:
                 raise KeyboardInterrupt
+
+    def due(self) -> float:
+        """Any moment will do: none is long in coming."""
+        return np.inf
 
     def finalize(self, moment: Moment) -> None:
         """Leave the checkpoint, as the recording is not written yet, and keep the last moment."""

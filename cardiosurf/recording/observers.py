@@ -12,10 +12,11 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from cardiosurf.arrays import Floats, Ints, Mask
+from cardiosurf.arrays import Floats, Ints
 from cardiosurf.recording.growing import GrowingTable
-from cardiosurf.recording.recording import THRESHOLD, Events, FrameSeries, ProbeTraces
+from cardiosurf.recording.recording import Events, FrameSeries, ProbeTraces
 from cardiosurf.recording.spool import Spool
+from cardiosurf.stepping.limits import THRESHOLD
 from cardiosurf.stepping.moment import Moment, Observer
 
 Snapshot: TypeAlias = Mapping[str, NDArray[Any]]
@@ -43,29 +44,28 @@ class Activation:
     """
 
     def __init__(self) -> None:
-        self._above: Mask = np.zeros(0, dtype=np.bool_)
+        self._begun = False
         self._up = GrowingTable(2)
         self._down = GrowingTable(2)
 
     def initialize(self, moment: Moment) -> None:
         """Record the nodes that are above 0.5 at the start."""
-        if not len(self._above):
-            self._above = moment.state[0] > THRESHOLD
-            nodes = np.flatnonzero(self._above)
+        if not self._begun:
+            nodes = np.flatnonzero(moment.state[0] > THRESHOLD)
             self._up.append(np.column_stack((nodes, np.full(len(nodes), moment.time))))
+            self._begun = True
 
     def handle(self, moment: Moment) -> None:
-        """Record the crossings of this step, or of a pulse."""
-        before, after = moment.previous_state[0], moment.state[0]
-        above = after > THRESHOLD
-        changed = np.flatnonzero(above != self._above)
-        if len(changed):
-            rise = (THRESHOLD - before[changed]) / (after[changed] - before[changed])
-            times = moment.previous_time + rise * (moment.time - moment.previous_time)
-            rows, upward = np.column_stack((changed, times)), above[changed]
-            self._up.append(rows[upward])
-            self._down.append(rows[~upward])
-            self._above = above
+        """Record the crossings since the moment before."""
+        crossings = moment.crossings()
+        if len(crossings.nodes):
+            rows = np.column_stack((crossings.nodes.astype(np.float64), crossings.times))
+            self._up.append(rows[crossings.upward])
+            self._down.append(rows[~crossings.upward])
+
+    def due(self) -> float:
+        """Any moment will do: each tells all crossings."""
+        return np.inf
 
     def finalize(self, moment: Moment) -> None:
         """Nothing is left to do."""
@@ -79,12 +79,12 @@ class Activation:
         return _sorted_events(self._down.rows())
 
     def snapshot(self) -> Snapshot:
-        """Return the crossings so far and the nodes that are above 0.5."""
-        return {"above": self._above.copy(), "up": self._up.rows(), "down": self._down.rows()}
+        """Return the crossings so far."""
+        return {"up": self._up.rows(), "down": self._down.rows()}
 
     def restore(self, snapshot: Snapshot) -> None:
         """Take back what ``snapshot`` returned."""
-        self._above = snapshot["above"].astype(np.bool_)
+        self._begun = True
         self._up.replace(snapshot["up"])
         self._down.replace(snapshot["down"])
 
@@ -125,9 +125,19 @@ class Probes:
             self.handle(moment)
 
     def handle(self, moment: Moment) -> None:
-        """Record this moment."""
-        values = np.einsum("kpc,pc->kp", moment.state[:, self._nodes], self._weights)
-        self._rows.append(np.concatenate(([moment.time], values.ravel())))
+        """Record every step since the moment before."""
+        times, corners = moment.watched(self._nodes)
+        values = np.einsum("skpc,pc->skp", corners, self._weights)
+        self._rows.append(np.column_stack((times, values.reshape(len(times), -1))))
+
+    def due(self) -> float:
+        """Any moment will do: each tells the watched vertices after every step."""
+        return np.inf
+
+    @property
+    def watches(self) -> Ints:
+        """The vertices of the probes' triangles."""
+        return self._nodes
 
     def finalize(self, moment: Moment) -> None:
         """Nothing is left to do."""
@@ -182,9 +192,13 @@ class Frames:
         if moment.time == self._last_time:
             self._spool.truncate(len(self._spool) - 1)
             self._take(moment)
-        # times carry round-off: 9.999999999999998 is meant to be 10
-        elif moment.time >= self._every * (self._next - 1e-9):
+        elif moment.time >= self.due():
             self._take(moment)
+
+    def due(self) -> float:
+        """Return when the next frame is due, in tu."""
+        # times carry round-off: 9.999999999999998 is meant to be 10
+        return self._every * (self._next - 1e-9)
 
     def finalize(self, moment: Moment) -> None:
         """Take the end as the last frame."""

@@ -87,6 +87,10 @@ class ProgressBar:
             spent = time.monotonic() - now
             self._next = now + max(SECONDS_BETWEEN, spent / LARGEST_SHARE)
 
+    def due(self) -> float:
+        """Any moment will do: none is long in coming."""
+        return np.inf
+
     def finalize(self, moment: Moment) -> None:
         """Show the end."""
         if self._shown:

@@ -3,8 +3,9 @@
 import numpy as np
 
 from cardiosurf.recording.observers import Snapshot
+from cardiosurf.stepping.limits import REST_LEVEL
 from cardiosurf.stepping.moment import Moment
-from cardiosurf.stepping.rest import REST_LEVEL, at_rest
+from cardiosurf.stepping.rest import at_rest
 
 
 class Quiescence:
@@ -34,6 +35,10 @@ class Quiescence:
                 self._since = moment.time
         elif moment.pulse_pending or float(moment.state[0].max()) > REST_LEVEL:
             self._since = None
+
+    def due(self) -> float:
+        """Any moment will do: there is one wherever rest begins or ends."""
+        return np.inf
 
     def finalize(self, moment: Moment) -> None:
         """Nothing is left to do."""

@@ -1,6 +1,7 @@
 """How a march goes: the section ``time`` of a config, and the decisions it leads to."""
 
-from dataclasses import dataclass
+import os
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
 import numpy as np
@@ -15,6 +16,7 @@ from cardiosurf.stepping.solvers import LOOSEST_TOLERANCE, SolverChoice, choose_
 from cardiosurf.stepping.step_rule import StepChoice, asked_step, auto_step
 
 MOST_STEPS = 1e7
+NODES_A_THREAD = 20_000
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,37 @@ class TimeSection(Section):
     solver: Literal["auto", "cg", "direct"] = "auto"
     tolerance: Annotated[float, Ge(1e-13), Le(LOOSEST_TOLERANCE)] = 1e-7
     stop_at_rest: bool = True
+
+
+@dataclass(frozen=True)
+class Execution:
+    """How the machine is used; no result depends on it but for rounding.
+
+    Attributes
+    ----------
+    jit : bool
+        Whether to march in machine code where scheme, kinetics and solver are known to it;
+        otherwise NumPy and SciPy do it.
+    threads : int or None
+        How many threads share a march in machine code; None: as many as pay (``fit``).
+    """
+
+    jit: bool = True
+    threads: int | None = None
+
+    def fit(self, nodes: int) -> "Execution":
+        """Return this with the number of threads settled for a mesh.
+
+        Threads meet a dozen times a step, so a second one pays on large meshes only
+        (docs/numerics.md). OMP_NUM_THREADS bounds what is taken without being asked for, as it
+        does for other programs: that is how batches keep to one core a run.
+        """
+        if self.threads is not None:
+            return self
+        free = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+        bound = os.environ.get("OMP_NUM_THREADS", "")
+        most = min(free, int(bound)) if bound.isdecimal() and int(bound) > 0 else free
+        return replace(self, threads=max(1, min(most, nodes // NODES_A_THREAD)))
 
 
 @dataclass(frozen=True)
@@ -43,15 +76,24 @@ class Controls:
         When to end, in tu.
     solver : SolverChoice
         The linear solver, and why.
+    execution : Execution
+        How the machine is used.
     """
 
     scheme: Scheme
     step: StepChoice
     end: float
     solver: SolverChoice
+    execution: Execution = field(default_factory=Execution)
 
 
-def decide(section: TimeSection, kinetics: Kinetics, operators: Operators) -> Controls:
+def decide(
+    section: TimeSection,
+    kinetics: Kinetics,
+    operators: Operators,
+    *,
+    execution: Execution | None = None,
+) -> Controls:
     """Return the controls that the section asks for, each "auto" decided.
 
     Parameters
@@ -62,6 +104,8 @@ def decide(section: TimeSection, kinetics: Kinetics, operators: Operators) -> Co
         The reaction, whose rate sets the automatic step.
     operators : Operators
         The matrices, whose size and stiffness set the automatic solver.
+    execution : Execution, optional
+        How the machine is used.
 
     Raises
     ------
@@ -99,4 +143,5 @@ def decide(section: TimeSection, kinetics: Kinetics, operators: Operators) -> Co
         wanted=section.solver,
         tolerance=section.tolerance,
     )
-    return Controls(scheme, step, section.end, solver)
+    settled = (execution or Execution()).fit(len(rates))
+    return Controls(scheme, step, section.end, solver, settled)

@@ -1,8 +1,7 @@
 """Rules that end a run before its end."""
 
+from cardiosurf.stepping.limits import REST_LEVEL
 from cardiosurf.stepping.moment import Moment
-
-REST_LEVEL = 0.05
 
 
 def at_rest(moment: Moment) -> bool:

@@ -10,8 +10,11 @@ from scipy.sparse.linalg import splu
 from cardiosurf.arrays import Floats, Matrix
 from cardiosurf.errors import InputError, NumericalError
 
-Solve: TypeAlias = Callable[[Floats, Floats], tuple[Floats, int]]
-"""(right-hand side, guess) -> (solution, iterations)."""
+Solve: TypeAlias = Callable[[Floats, Floats, Floats], tuple[Floats, int]]
+"""(right-hand side, guess, scale) -> (solution, iterations).
+
+The scale is what a tolerance is relative to: about the right-hand side, but with the lumped mass.
+"""
 
 SolverFactory: TypeAlias = Callable[[Matrix], Solve]
 
@@ -33,17 +36,20 @@ class SolverChoice:
         One line for the record.
     factory : callable
         Takes a symmetric positive definite matrix, returns the solve.
+    tolerance : float or None
+        Of the conjugate gradients that the compiled march has too; None for all other solvers.
     """
 
     name: str
     reason: str
     factory: SolverFactory
+    tolerance: float | None = None
 
 
 def conjugate_gradients(tolerance: float = 1e-7) -> SolverFactory:
     """Return the factory of conjugate gradients with Jacobi preconditioning.
 
-    It stops at |b - A x| <= tolerance |b|.
+    It stops at |b - A x| <= tolerance |scale| in the norm |x|^2 = x . D^-1 x, D the diagonal of A.
 
     The loop is the project's own because its sums do not depend on the number of BLAS threads, as
     those of scipy's do; it is about as fast (benchmarks/README.md).
@@ -72,8 +78,10 @@ def conjugate_gradients(tolerance: float = 1e-7) -> SolverFactory:
     def factory(matrix: Matrix) -> Solve:
         inverse_diagonal = 1.0 / matrix.diagonal()
 
-        def solve(rhs: Floats, guess: Floats) -> tuple[Floats, int]:
-            return _iterate(matrix, inverse_diagonal, rhs, guess, tolerance)
+        def solve(rhs: Floats, guess: Floats, scale: Floats) -> tuple[Floats, int]:
+            # the floor ends the solve where squares underflow, in tissue long at rest
+            goal = tolerance**2 * _dot(scale, inverse_diagonal * scale) + UNDERFLOW
+            return _iterate(matrix, inverse_diagonal, rhs, guess, goal)
 
         return solve
 
@@ -81,21 +89,18 @@ def conjugate_gradients(tolerance: float = 1e-7) -> SolverFactory:
 
 
 def _iterate(
-    matrix: Matrix, inverse_diagonal: Floats, rhs: Floats, guess: Floats, tolerance: float
+    matrix: Matrix, inverse_diagonal: Floats, rhs: Floats, guess: Floats, goal: float
 ) -> tuple[Floats, int]:
     """Return the solution and the number of iterations of preconditioned conjugate gradients."""
-    # the floor ends the solve where squares underflow, in tissue long at rest
-    goal = tolerance**2 * _dot(rhs, rhs) + UNDERFLOW
     x = guess.copy()
     r = rhs - matrix @ x
     z = inverse_diagonal * r
     p = z.copy()
     rho = _dot(r, z)
-    error = _dot(r, r)
     iteration = 0
     # a right-hand side that is not finite must not pass for solved
     while np.isfinite(goal) and iteration < ITERATION_LIMIT:
-        if error <= goal:
+        if 0.0 <= rho <= goal:
             return x, iteration
         q = matrix @ p
         curvature = _dot(p, q)
@@ -104,15 +109,19 @@ def _iterate(
         alpha = rho / curvature
         x += alpha * p
         r -= alpha * q
-        error = _dot(r, r)
         np.multiply(inverse_diagonal, r, out=z)
         rho, previous = _dot(r, z), rho
         p *= rho / previous
         p += z
         iteration += 1
-    raise NumericalError(
-        f"conjugate gradients stopped after {iteration} iterations at a residual of "
-        f"{np.sqrt(error):.1e} instead of {np.sqrt(goal):.1e}",
+    raise not_converged(iteration, rho, goal)
+
+
+def not_converged(iterations: int, error: float, goal: float) -> NumericalError:
+    """Return the error of conjugate gradients that stopped at a square residual above the goal."""
+    return NumericalError(
+        f"conjugate gradients stopped after {iterations} iterations at a residual of "
+        f"{np.sqrt(np.abs(error)):.1e} instead of {np.sqrt(np.abs(goal)):.1e}",
         "a smaller time.step, or time.solver: direct",
     )
 
@@ -147,7 +156,7 @@ def direct() -> SolverFactory:
                 "diffusivities and factors nearer to 1, or time.solver: cg",
             ) from error
 
-        def solve(rhs: Floats, guess: Floats) -> tuple[Floats, int]:
+        def solve(rhs: Floats, guess: Floats, scale: Floats) -> tuple[Floats, int]:
             return factors.solve(rhs), 0
 
         return solve
@@ -192,5 +201,6 @@ def choose_solver(
             f"{nodes} nodes: a step is estimated at {iterations:.1f} iterations of cg, "
             f"or as much work as {equivalent:.1f} with direct"
         )
-    factory = direct() if name == "direct" else conjugate_gradients(tolerance)
-    return SolverChoice(name, reason, factory)
+    if name == "direct":
+        return SolverChoice(name, reason, direct())
+    return SolverChoice(name, reason, conjugate_gradients(tolerance), tolerance)

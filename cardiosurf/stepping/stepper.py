@@ -47,6 +47,10 @@ class Stepper:
         The coefficients.
     solve_for : callable
         Takes the weight w, in tu, and returns the solve of (M + w K) x = b; remembers a few.
+    forget : callable
+        Forgets the solves that it remembers.
+    lumped : (n,) float
+        Row sums of M, in su^2.
     resting : (n,) bool or None
         Nodes without reaction, where v stays; None if there are none.
     """
@@ -55,6 +59,8 @@ class Stepper:
     kinetics: Kinetics
     scheme: Scheme
     solve_for: Callable[[float], Solve]
+    forget: Callable[[], None]
+    lumped: Floats
     resting: Mask | None
 
     @classmethod
@@ -69,7 +75,9 @@ class Stepper:
 
         excitable = operators.excitable_nodes
         resting = None if excitable.all() else ~excitable
-        return cls(operators, kinetics, scheme, solve_for, resting)
+        lumped = np.asarray(operators.mass.sum(axis=1), dtype=np.float64)
+        forget = solve_for.cache_clear
+        return cls(operators, kinetics, scheme, solve_for, forget, lumped, resting)
 
     def begin(self, state: Floats) -> Past:
         """Return a past that consists of one state."""
@@ -91,6 +99,12 @@ class Stepper:
             reaction[1, self.resting] = 0.0
         return reaction
 
+    def is_deep(self, past: Past) -> bool:
+        """Return whether the past is deep enough for the scheme."""
+        scheme = self.scheme
+        deep = len(past.states) >= scheme.depth
+        return deep and len(past.reactions) >= len(scheme.explicit)
+
     def advance(self, past: Past, dt: float, current: Floats | None) -> Advance:
         """Return the state one step on.
 
@@ -98,10 +112,8 @@ class Stepper:
         and two of half its length, extrapolated: its error is of third order in dt, so a fixed
         number of them leaves the order of the whole alone.
         """
-        scheme = self.scheme
-        deep = len(past.states) >= scheme.depth and len(past.reactions) >= len(scheme.explicit)
-        if deep:
-            return self.multistep(scheme, past, dt, current)
+        if self.is_deep(past):
+            return self.multistep(self.scheme, past, dt, current)
         euler = SCHEMES["imex_euler"]
         newest = Past(past.states[:1], past.reactions[:1])
         whole = self.multistep(euler, newest, dt, current)
@@ -127,6 +139,7 @@ class Stepper:
         else:
             rhs = mass @ known[0] + reaction_mass @ pushed[0]
             known += pushed
+        scale = self.lumped * known[0]
         if len(scheme.implicit) > 1:
             earlier = [state[0] for state in past.states]
             weights = [dt * b / a0 for b in scheme.implicit[1:]]
@@ -135,7 +148,7 @@ class Stepper:
         guess = _combine(GUESS_WEIGHTS[len(guesses) - 1], guesses)
         solve = self.solve_for(dt * scheme.implicit[0] / a0)
         begun = perf_counter()
-        known[0], iterations = solve(rhs, guess)
+        known[0], iterations = solve(rhs, guess, scale)
         return Advance(known, iterations, perf_counter() - begun)
 
 

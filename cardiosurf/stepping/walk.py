@@ -3,23 +3,22 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cardiosurf.arrays import Floats
 from cardiosurf.errors import NumericalError
 from cardiosurf.fem.operators import Operators
-from cardiosurf.kinetics import Kinetics
+from cardiosurf.kinetics import COMPILED, Kinetics
 from cardiosurf.stepping.controls import Controls
 from cardiosurf.stepping.moment import Checkpoint, Moment
+from cardiosurf.stepping.place import Cost, Place, Stride, Wishes, check, located
 from cardiosurf.stepping.schedule import Pulse, Segment, current, pending, schedule, switch_on
-from cardiosurf.stepping.step_rule import ERROR_COEFFICIENTS, auto_step, reaction_rate
 from cardiosurf.stepping.stepper import Advance, Past, Stepper
 
-BLOW_UP = 10.0
-# steps after a switch of the stimuli in which a blow-up is put down to them
-SOON = 20
+if TYPE_CHECKING:
+    from cardiosurf.stepping.compiled.engine import Engine
 
 
 @dataclass(frozen=True)
@@ -44,33 +43,13 @@ class Problem:
     initial: Floats | None = None
 
 
-class Cost(NamedTuple):
-    """What a step took: its length in tu, the solver's iterations and seconds."""
+def walk(
+    problem: Problem, controls: Controls, start: Checkpoint | None, wishes: Wishes
+) -> Iterator[Stride]:
+    """Yield the moment of the start, then every instantaneous pulse and the steps.
 
-    step: float
-    iterations: int
-    seconds: float
-
-
-class Stride(NamedTuple):
-    """A moment, and what getting there took; nothing for the first moment and for a pulse."""
-
-    moment: Moment
-    cost: Cost | None
-
-
-class _Place(NamedTuple):
-    """How far the march is: steps since time 0, the segment, steps done in it."""
-
-    step: int
-    segment: Segment
-    done: int
-
-
-def walk(problem: Problem, controls: Controls, start: Checkpoint | None) -> Iterator[Stride]:
-    """Yield the moment of the start, then every instantaneous pulse and every step.
-
-    Parameters and errors are those of ``march``.
+    In machine code only those steps are yielded that are wished for. Parameters and errors are
+    those of ``march``.
     """
     stepper = Stepper.of(
         problem.operators,
@@ -79,38 +58,72 @@ def walk(problem: Problem, controls: Controls, start: Checkpoint | None) -> Iter
         factory=controls.solver.factory,
     )
     place, past, plan = _take_up(problem, controls, stepper, start)
-    yield Stride(_moment(place, past, past.states[0], place.segment.time(place.done)), None)
-    step = place.step
+    yield Stride(_moment(place, past, past.states[0], place.time), None)
+    engine = _engine(problem, controls, wishes)
     for segment, behind in plan:
+        place = Place(place.step, segment, behind)
         to_come = pending(problem.pulses, segment, controls.end)
         if behind == 0:
             before = past.states[0]
             past = stepper.begin(switch_on(problem.pulses, segment, before))
             if past.states[0] is not before:
-                place = _Place(step, segment, 0)
                 yield Stride(_moment(place, past, before, segment.start, to_come), None)
         source = current(problem.pulses, segment)
-        for done in range(behind + 1, segment.count + 1):
-            step += 1
-            place, before = _Place(step, segment, done), past.states[0]
-            new = _advance(stepper, past, place, source)
-            past = stepper.extend(past, new.state)
-            cost = Cost(segment.step, new.iterations, new.seconds)
-            yield Stride(_moment(place, past, before, segment.time(done - 1), to_come), cost)
+        while place.done < segment.count:
+            if engine is not None and stepper.is_deep(past):
+                stepper.forget()
+                from cardiosurf.stepping.compiled.steps import Stretch, compiled_steps
+
+                stretch = Stretch(place, source, to_come)
+                yield from compiled_steps(engine, stepper, past, stretch, wishes)
+                place, past = place.on(segment.count - place.done), Past(engine.states(), ())
+            else:
+                before, place = past.states[0], place.on(1)
+                new = _advance(stepper, past, place, source)
+                past = stepper.extend(past, new.state)
+                cost = Cost(segment.step, 1, new.iterations, new.iterations, new.seconds)
+                earlier = segment.time(place.done - 1)
+                yield Stride(_moment(place, past, before, earlier, to_come), cost)
+
+
+def is_compiled(problem: Problem, controls: Controls) -> bool:
+    """Return whether the march goes in machine code: it must be wanted, and know the problem."""
+    scheme = controls.scheme
+    parts = (scheme.state[1:], scheme.implicit, scheme.explicit)
+    known = type(problem.kinetics) in COMPILED and all(len(part) <= 2 for part in parts)
+    return controls.execution.jit and known and controls.solver.tolerance is not None
+
+
+def _engine(problem: Problem, controls: Controls, wishes: Wishes) -> "Engine | None":
+    """Return the compiled march, or None where NumPy marches."""
+    tolerance = controls.solver.tolerance
+    if tolerance is None or not is_compiled(problem, controls):
+        return None
+    # numba is imported only where something is marched with it
+    from cardiosurf.stepping.compiled.engine import Engine
+
+    return Engine(
+        problem.operators,
+        problem.kinetics,
+        controls.scheme,
+        tolerance=tolerance,
+        watch=wishes.watch,
+        threads=controls.execution.fit(problem.operators.mass.shape[0]).threads or 1,
+    )
 
 
 def _take_up(
     problem: Problem, controls: Controls, stepper: Stepper, start: Checkpoint | None
-) -> tuple[_Place, Past, list[tuple[Segment, int]]]:
+) -> tuple[Place, Past, list[tuple[Segment, int]]]:
     """Return where the march begins, its past, and the segments to come with the steps done."""
     whole = schedule(problem.pulses, step=controls.step.step, end=controls.end)
     if start is None:
         n = problem.operators.mass.shape[0]
         state = np.zeros((2, n)) if problem.initial is None else np.array(problem.initial)
         # a segment without length, all done: the pulses at time 0 are still to come
-        place = _Place(0, Segment(0.0, 0.0, 1), 1)
+        place = Place(0, Segment(0.0, 0.0, 1), 1)
         return place, stepper.begin(state), [(segment, 0) for segment in whole]
-    place = _Place(start.step, start.segment, start.done)
+    place = Place(start.step, start.segment, start.done)
     if start.segment in whole:
         ahead = whole[whole.index(start.segment) :]
         plan = [(segment, 0) for segment in ahead[1:]]
@@ -122,12 +135,12 @@ def _take_up(
 
 
 def _moment(
-    place: _Place, past: Past, before: Floats, earlier: float, to_come: bool = False
+    place: Place, past: Past, before: Floats, earlier: float, to_come: bool = False
 ) -> Moment:
     """Return the moment at a place, after the state ``before`` at the time ``earlier``."""
     return Moment(
         place.step,
-        place.segment.time(place.done),
+        place.time,
         past.states[0],
         earlier,
         before,
@@ -136,51 +149,18 @@ def _moment(
     )
 
 
-def _checkpoint(place: _Place, past: Past) -> Checkpoint:
+def _checkpoint(place: Place, past: Past) -> Checkpoint:
     """Return the checkpoint of a place and its past."""
     return Checkpoint(*place, np.array(past.states), np.array(past.reactions))
 
 
-def _advance(stepper: Stepper, past: Past, place: _Place, source: Floats | None) -> Advance:
+def _advance(stepper: Stepper, past: Past, place: Place, source: Floats | None) -> Advance:
     """Return the step to a place; if it fails or blows up, raise naming step and time."""
-    segment = place.segment
-    where = f"at step {place.step}, t = {segment.time(place.done):g} tu"
     try:
         # an overflow is named below, with step and time
         with np.errstate(over="ignore", invalid="ignore"):
-            new = stepper.advance(past, segment.step, source)
+            new = stepper.advance(past, place.segment.step, source)
     except NumericalError as error:
-        raise NumericalError(f"{error.problem}, {where}", error.hint) from error
-    lowest, highest = float(new.state[0].min()), float(new.state[0].max())
-    if not -BLOW_UP <= lowest <= highest <= BLOW_UP:
-        raise NumericalError(
-            f"the potential blew up to {max(-lowest, highest):.3g} {where}",
-            _remedy(stepper, place, source),
-        )
-    if not np.isfinite(new.state[1].sum()):
-        raise NumericalError(
-            f"the recovery is not finite {where}",
-            f"a time.step below {segment.step:g}, or slower kinetics",
-        )
+        raise located(error, place) from error
+    check(stepper, new.state, place, source)
     return new
-
-
-def _remedy(stepper: Stepper, place: _Place, source: Floats | None) -> str:
-    """Return what to try after a blow-up: what is likely its cause comes first."""
-    step = place.segment.step
-    advice = [f"a time.step below {step:g}"]
-    if _auto(stepper) < step:
-        advice.append("time.step: auto")
-    # a stable step is not what makes u run away just after, or during, a stimulus
-    elif source is not None or place.done <= SOON:
-        advice.insert(0, "a weaker stimulus (its amplitude or strength)")
-    return ", or ".join(advice)
-
-
-def _auto(stepper: Stepper) -> float:
-    """Return the step that auto stands for, infinite where the rule knows none."""
-    with np.errstate(all="ignore"):
-        known = 0.0 < reaction_rate(stepper.kinetics) < np.inf
-    if not known or stepper.scheme.name not in ERROR_COEFFICIENTS:
-        return np.inf
-    return auto_step(stepper.scheme, stepper.kinetics).step

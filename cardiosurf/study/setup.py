@@ -8,7 +8,7 @@ from cardiosurf.errors import InputError
 from cardiosurf.fem.operators import assemble
 from cardiosurf.geometry import build_surface
 from cardiosurf.geometry.surface import Surface
-from cardiosurf.stepping.controls import Controls, decide
+from cardiosurf.stepping.controls import Controls, Execution, decide
 from cardiosurf.stepping.march import Problem
 from cardiosurf.tissue.stimuli import Pulse, build_pulses
 from cardiosurf.tissue.tensor import Tissue, build_tissue
@@ -44,13 +44,15 @@ class Setup:
         return {target.name: regions[target_key(target.name)] for target in config.targets}
 
 
-def set_up(config: Config) -> Setup:
+def set_up(config: Config, execution: Execution | None = None) -> Setup:
     """Build surface, tissue and operators of a config.
 
     Parameters
     ----------
     config : Config
         A decoded config.
+    execution : Execution, optional
+        How the machine is used.
 
     Raises
     ------
@@ -69,7 +71,7 @@ def set_up(config: Config) -> Setup:
         tissue.excitable,
         mass=config.mesh.mass,
     )
-    controls = decide(config.time, config.kinetics, operators)
+    controls = decide(config.time, config.kinetics, operators, execution=execution)
     problem = Problem(operators, config.kinetics, pulses)
     return Setup(surface, tissue, pulses, problem, controls)
 

@@ -27,6 +27,7 @@ from cardiosurf.recording.recording import FrameSeries, Recording
 from cardiosurf.recording.signals import stopped_by_signals
 from cardiosurf.recording.spool import Spool
 from cardiosurf.recording.xdmf import write_xdmf
+from cardiosurf.stepping.controls import Execution
 from cardiosurf.stepping.march import Outcome, march
 from cardiosurf.stepping.rest import at_rest, never
 from cardiosurf.study.folder import CONFIG, RECORDING, VERDICT, RunFolder
@@ -75,7 +76,12 @@ class _Watch:
 
 
 def simulate(
-    loaded: Loaded, path: Path, *, overwrite: bool = False, resume: bool = False
+    loaded: Loaded,
+    path: Path,
+    *,
+    overwrite: bool = False,
+    resume: bool = False,
+    execution: Execution | None = None,
 ) -> Result:
     """Run a config and write recording, XDMF, resolved config and verdict into a folder.
 
@@ -89,6 +95,8 @@ def simulate(
         Whether a finished run in the folder may be replaced.
     resume : bool
         Whether to go on from where an unfinished run in the folder was stopped.
+    execution : Execution, optional
+        How the machine is used.
 
     Raises
     ------
@@ -105,7 +113,7 @@ def simulate(
         resuming = folder.open(overwrite=overwrite, resume=resume)
         try:
             with loaded.naming_lines():
-                setup = set_up(loaded.config)
+                setup = set_up(loaded.config, execution)
                 watch = _watch(loaded, setup, folder)
             set_up_seconds = perf_counter() - begun
             outcome = _march(loaded, setup, folder, watch, resuming=resuming)
@@ -199,6 +207,8 @@ def _meta(loaded: Loaded, setup: Setup, outcome: Outcome, set_up_seconds: float)
         "lat_error": controls.step.lat_error,
         "solver": controls.solver.name,
         "solver_reason": controls.solver.reason,
+        "engine": outcome.engine,
+        "threads": controls.execution.threads,
         "steps": outcome.steps,
         "iterations": outcome.iterations,
         "most_iterations": outcome.most_iterations,

@@ -1,0 +1,73 @@
+"""Conjugate gradients, and how threads meet."""
+
+from typing import Any
+
+import numpy as np
+
+from cardiosurf.stepping.compiled.keep import inlined
+from cardiosurf.stepping.compiled.machine import atomic_add, pause
+from cardiosurf.stepping.compiled.passes import ERROR, PQ, QQ, RQ, multiply, update
+
+REASON, CROSSINGS, STEPS, ITERATIONS, MOST, ARRIVED, MET = range(7)
+GAIN, LEFT, GOAL = range(3)
+"""Places in ``work.report`` and ``work.reals``."""
+
+ITERATION_LIMIT = 1000
+SPINS = 2000
+
+
+@inlined
+def meet(report: Any, threads: int) -> None:
+    """Wait until all threads are here."""
+    if threads > 1:
+        met = atomic_add(report, MET, 0)
+        if atomic_add(report, ARRIVED, 1) == threads - 1:
+            atomic_add(report, ARRIVED, -threads)
+            atomic_add(report, MET, 1)
+        else:
+            spins = 0
+            while atomic_add(report, MET, 0) == met:
+                spins += 1
+                if spins > SPINS:
+                    pause()
+
+
+@inlined
+def total(sums: Any, column: int) -> float:
+    """Return the sum over the blocks, in their order."""
+    found = 0.0
+    for k in range(len(sums)):
+        found += sums[k, column]
+    return found
+
+
+@inlined
+def solve(rows: Any, work: Any, share: Any, error: float, goal: float) -> Any:
+    """Iterate conjugate gradients from the residual's square ``error`` down to the goal.
+
+    With the products r q and q q the new residual is known before it is written: one pass over
+    the matrix and one over the vectors an iteration. Returns how far to go along p at last, the
+    iterations (-1: given up) and whether some have been added to e (1.0 or 0.0).
+    """
+    first, last, threads = share
+    iterations, along, kept = 0, 0.0, 0.0
+    while not error <= goal:
+        multiply(rows, work, first, last)
+        meet(work.report, threads)
+        pq = total(work.sums, PQ)
+        if iterations == ITERATION_LIMIT or not pq > 0.0 or not error < np.inf:
+            if first == 0:
+                work.reals[LEFT], work.reals[GOAL] = error, goal
+                work.report[ITERATIONS] = iterations
+            iterations = -1
+            break
+        along = error / pq
+        squares = along * along * total(work.sums, QQ)
+        expected = error - 2.0 * along * total(work.sums, RQ) + squares
+        iterations += 1
+        if expected <= goal:
+            break
+        update(rows, work, share, along, expected / error, kept)
+        meet(work.report, threads)
+        error, along, kept = total(work.sums, ERROR), 0.0, 1.0
+    return along, iterations, kept
