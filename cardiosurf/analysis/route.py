@@ -77,8 +77,12 @@ def edges_of(triangles: Ints, inside: Mask, outside: Mask) -> tuple[Ints, Ints]:
     owner : (k,) int
         The triangle inside at each.
     """
-    sides = np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
-    owner = np.repeat(np.arange(len(triangles)), 3)
+    of_inside, of_outside = np.zeros((2, int(triangles.max(initial=0)) + 1), dtype=np.bool_)
+    of_inside[triangles[inside]] = True
+    of_outside[triangles[outside]] = True
+    near = np.flatnonzero((of_inside & of_outside)[triangles].sum(axis=1) > 1)
+    sides = np.sort(triangles[near][:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
+    owner = np.repeat(near, 3)
     order = np.lexsort((sides[:, 1], sides[:, 0]))
     sides, owner = sides[order], owner[order]
     shared = np.flatnonzero((sides[1:] == sides[:-1]).all(axis=1))

@@ -9,6 +9,7 @@ that go back to the same beat mean that a wave came back.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.recording.recording import Events
@@ -63,18 +64,18 @@ def _sorted_without_flicker(activations: Events, gap: float) -> tuple[Ints, Floa
     return nodes[keep], times[keep]
 
 
-def _neighbours(triangles: Ints) -> tuple[Ints, Ints]:
-    """Return the directed edges of a triangulation: from, to; sorted by from."""
-    pairs = triangles[:, [[0, 1], [1, 2], [2, 0], [1, 0], [2, 1], [0, 2]]].reshape(-1, 2)
-    pairs = np.unique(pairs, axis=0)
-    return pairs[:, 0], pairs[:, 1]
+def _neighbours(triangles: Ints, count: int) -> tuple[Ints, Ints]:
+    """Return where the neighbours of each vertex begin, (count + 1,), and all of them, sorted."""
+    start, end = triangles[:, [0, 1, 2, 1, 2, 0]].ravel(), triangles[:, [1, 2, 0, 0, 1, 2]].ravel()
+    joined = csr_array((np.ones(len(start), dtype=np.int8), (start, end)), shape=(count, count))
+    # an edge of two triangles is one pair
+    joined.sum_duplicates()
+    return joined.indptr.astype(np.int64), joined.indices.astype(np.int64)
 
 
 def _parents(nodes: Ints, times: Floats, triangles: Ints, window: float) -> Ints:
     """Return for each activation the latest one of a neighbour before it, or itself for none."""
-    start, end = _neighbours(triangles)
-    count = int(max(triangles.max(), nodes.max(initial=0))) + 1
-    first = np.searchsorted(start, np.arange(count + 1))
+    first, end = _neighbours(triangles, int(max(triangles.max(), nodes.max(initial=0))) + 1)
     degree = np.diff(first)[nodes]
     event = np.repeat(np.arange(len(nodes)), degree)
     offset = np.arange(degree.sum()) - np.repeat(np.cumsum(degree) - degree, degree)
@@ -86,9 +87,13 @@ def _parents(nodes: Ints, times: Floats, triangles: Ints, window: float) -> Ints
     valid = (found >= 0) & (nodes[found] == neighbour)
     valid &= (times[found] < times[event]) & (times[event] - times[found] <= window)
     event, found = event[valid], found[valid]
-    latest = np.lexsort((times[found], event))
     parent = np.arange(len(nodes))
-    parent[event[latest]] = found[latest]
+    if event.size:
+        since = times[found]
+        own = np.flatnonzero(np.r_[True, event[1:] != event[:-1]])
+        latest = np.repeat(np.maximum.reduceat(since, own), np.diff(np.r_[own, event.size]))
+        # of two at the same time the later written, that of the higher vertex number, stays
+        parent[event[since == latest]] = found[since == latest]
     return parent
 
 
