@@ -101,12 +101,14 @@ def simulate(
     """
     begun = perf_counter()
     folder = RunFolder(path)
-    with folder.in_use():
+    with folder.in_use(), ExitStack() as open_files:
         resuming = folder.open(overwrite=overwrite, resume=resume)
         try:
             with loaded.naming_lines():
                 setup = set_up(loaded.config)
                 watch = _watch(loaded, setup, folder)
+            if watch.spool is not None:
+                open_files.callback(watch.spool.close)
             set_up_seconds = perf_counter() - begun
             outcome = _march(loaded, setup, folder, watch, resuming=resuming)
             recording = _recording(loaded, setup, watch, outcome, set_up_seconds)
