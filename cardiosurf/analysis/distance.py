@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csc_array
 
+from cardiosurf.analysis.neighbours import triangles_around
 from cardiosurf.arrays import Floats, Ints, Mask
 
 NEXT, AFTER = [1, 2, 0], [2, 0, 1]
@@ -48,33 +48,6 @@ def _corners(points: Floats, triangles: Ints) -> _Corners:
     return _Corners(squared, foot, np.maximum(to_first - foot * foot * squared, 0.0))
 
 
-@dataclass(frozen=True)
-class _Stars:
-    """The triangles around each vertex, one vertex after another."""
-
-    triangles: Ints
-    starts: Ints
-    counts: Ints
-
-    def around(self, vertices: Ints) -> Ints:
-        """Return the triangles at any of the vertices, some of them several times."""
-        counts = self.counts[vertices]
-        ends = np.cumsum(counts)
-        places = np.repeat(self.starts[vertices] - ends + counts, counts)
-        return np.asarray(self.triangles[places + np.arange(len(places))])
-
-
-def _stars(triangles: Ints, count: int) -> _Stars:
-    by_triangle = (
-        np.ones(triangles.size, dtype=np.int8),
-        triangles.ravel(),
-        np.arange(0, triangles.size + 1, 3),
-    )
-    by_vertex = csc_array(by_triangle, shape=(count, len(triangles))).tocsr()
-    starts = by_vertex.indptr.astype(np.int64)
-    return _Stars(by_vertex.indices.astype(np.int64), starts[:-1], np.diff(starts))
-
-
 def _arrival_through_edge(start: Floats, end: Floats, corners: tuple[Floats, ...]) -> Floats:
     """Return the least time at which a straight front over the edge reaches each corner."""
     squared_edge, foot, squared_height = corners
@@ -112,7 +85,7 @@ def distance_from(points: Floats, triangles: Ints, sources: Mask) -> Floats:
     (n,) float
         Distances in su; infinite where no source can be reached.
     """
-    corners, stars = _corners(points, triangles), _stars(triangles, len(points))
+    corners, around = _corners(points, triangles), triangles_around(triangles, len(points))
     edge = float(np.sqrt(corners.squared_edge.mean()))
     band, tolerance = BAND * edge, 1e-9 * edge
     times = np.where(sources, 0.0, np.inf)
@@ -127,7 +100,7 @@ def distance_from(points: Floats, triangles: Ints, sources: Mask) -> Floats:
             since = times[front]
             front = front[since <= since.min() + band]
             waiting[front] = False
-            touched[stars.around(front)] = True
+            touched[around.at(front)[0]] = True
             (near,) = touched.nonzero()
             touched[near] = False
             vertices = triangles.take(near, axis=0)

@@ -8,8 +8,7 @@ trajectories start is carried along all of them at once by one sparse solve.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array, eye_array
-from scipy.sparse.linalg import splu
+import scipy
 
 from cardiosurf.arrays import Floats, Ints, Mask
 
@@ -128,10 +127,12 @@ def carry_labels(
     number, count = np.cumsum(own) - 1, int(own.sum())
     i, a, b = number[feet.vertex], number[feet.a], number[feet.b]
     weights = np.r_[1 - feet.share, feet.share]
-    carried = coo_array((weights, (np.r_[i, i], np.r_[a, b])), shape=(count, count)).tocsr()
+    places = (np.r_[i, i], np.r_[a, b])
+    carried = scipy.sparse.coo_array((weights, places), shape=(count, count)).tocsr()
     start = np.ones((count, 1))
     start[i] = 0.0
-    system = splu((eye_array(count, format="csr") - carried).tocsc())
+    identity = scipy.sparse.eye_array(count, format="csr")
+    system = scipy.sparse.linalg.splu((identity - carried).tocsc())
     result: Floats = np.full(labels.shape, np.nan)
     result[own] = system.solve(start * labels[own])
     return result

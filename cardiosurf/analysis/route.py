@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from cardiosurf.analysis.distance import distance_from
 from cardiosurf.analysis.origins import carry_labels, triangle_gradients
@@ -154,7 +154,7 @@ def _crossed_fraction(activation: Map, inside: Mask, active: Mask, weights: Floa
     depth = distance_from(points, activation.triangles[inside], weights > 0)
     edge = float(np.sqrt(np.median(_squared_edges(points, activation.triangles[inside]))))
     own = np.flatnonzero(np.isfinite(depth))
-    nearest = np.asarray(cKDTree(points[entrance]).query(points[own])[1])
+    nearest = np.asarray(scipy.spatial.cKDTree(points[entrance]).query(points[own])[1])
     # a thin target is no deeper than this behind most of its entrance
     thickness = np.zeros(len(entrance))
     np.maximum.at(thickness, nearest, depth[own])

@@ -9,8 +9,8 @@ that go back to the same beat mean that a wave came back.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
 
+from cardiosurf.analysis.neighbours import neighbours
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.recording.recording import Events
 from cardiosurf.tissue.stimuli import Pulse
@@ -64,22 +64,10 @@ def _sorted_without_flicker(activations: Events, gap: float) -> tuple[Ints, Floa
     return nodes[keep], times[keep]
 
 
-def _neighbours(triangles: Ints, count: int) -> tuple[Ints, Ints]:
-    """Return where the neighbours of each vertex begin, (count + 1,), and all of them, sorted."""
-    start, end = triangles[:, [0, 1, 2, 1, 2, 0]].ravel(), triangles[:, [1, 2, 0, 0, 1, 2]].ravel()
-    joined = csr_array((np.ones(len(start), dtype=np.int8), (start, end)), shape=(count, count))
-    # an edge of two triangles is one pair
-    joined.sum_duplicates()
-    return joined.indptr.astype(np.int64), joined.indices.astype(np.int64)
-
-
 def _parents(nodes: Ints, times: Floats, triangles: Ints, window: float) -> Ints:
     """Return for each activation the latest one of a neighbour before it, or itself for none."""
-    first, end = _neighbours(triangles, int(max(triangles.max(), nodes.max(initial=0))) + 1)
-    degree = np.diff(first)[nodes]
-    event = np.repeat(np.arange(len(nodes)), degree)
-    offset = np.arange(degree.sum()) - np.repeat(np.cumsum(degree) - degree, degree)
-    neighbour = end[first[nodes[event]] + offset]
+    count = int(max(triangles.max(), nodes.max(initial=0))) + 1
+    neighbour, event = neighbours(triangles, count).at(nodes)
     # sorted by vertex, then time: one number orders them, and finds "before this, at that vertex"
     span = float(times.max(initial=0.0)) + 1.0
     key = nodes * span + times
