@@ -18,10 +18,10 @@ from cardiosurf.recording.checkpoint import (
     restore_checkpoint,
 )
 from cardiosurf.recording.hdf5 import write_recording
-from cardiosurf.recording.meta import provenance
 from cardiosurf.recording.observers import Activation, Frames, Probes, Recorder
 from cardiosurf.recording.probe_sites import place_probes
 from cardiosurf.recording.progress import ProgressBar
+from cardiosurf.recording.provenance import provenance
 from cardiosurf.recording.quiescence import Quiescence
 from cardiosurf.recording.recording import FrameSeries, Recording
 from cardiosurf.recording.signals import stopped_by_signals
