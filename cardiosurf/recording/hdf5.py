@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -30,7 +29,6 @@ from cardiosurf.tissue.tensor import Tissue
 SMALL = 256
 """Arrays of fewer numbers are not worth compressing."""
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-"""For masks and labels, which shrink to a few per cent; other numbers take long and hardly do."""
 
 
 def write_recording(path: Path, recording: Recording) -> None:
@@ -184,6 +182,7 @@ def _stack(masks: Mapping[str, Mask], length: int) -> NDArray[np.uint8]:
 
 def _write(file: h5py.File, name: str, value: ArrayLike, held: HeldSignals) -> None:
     """Write one dataset of the layout, compressed when that is worth it."""
+    entry = DATASETS[name]
     if isinstance(value, str):
         dataset = file.create_dataset(name, data=value)
     elif isinstance(value, tuple):
@@ -193,16 +192,10 @@ def _write(file: h5py.File, name: str, value: ArrayLike, held: HeldSignals) -> N
         dataset = write_frames(file, name, np.asanyarray(value), held)
     else:
         data = np.asarray(value)
-        options = COMPRESSION if data.size > SMALL and _are_labels(data) else {}
+        options = COMPRESSION if entry.packed and data.size > SMALL else {}
         dataset = file.create_dataset(name, data=data, **options)
-    entry = DATASETS[name]
     dataset.attrs["units"] = entry.units
     dataset.attrs["description"] = entry.description
-
-
-def _are_labels(data: NDArray[Any]) -> bool:
-    """Tell whether these are whole numbers of one byte, whatever they are stored in."""
-    return data.dtype.kind in "iu" and -128 <= data.min() <= data.max() < 256
 
 
 def _check(path: Path, file: h5py.File) -> None:
