@@ -126,7 +126,7 @@ def _values(recording: Recording) -> Mapping[str, ArrayLike]:
     surface, tissue, pulses = recording.surface, recording.tissue, recording.pulses
     frames, probes = recording.frames, recording.probes
     edges = list(surface.edges.values())
-    d11, d22 = np.einsum("mai,mij,maj->am", surface.frame, tissue.tensor, surface.frame)
+    d11, d22 = np.einsum("mai,mai->am", surface.frame @ tissue.tensor, surface.frame)
     return {
         "mesh/points": surface.points,
         "mesh/triangles": surface.triangles,
