@@ -3,13 +3,16 @@
 Points are (n, 3), triangles (m, 3), tensors (m, 3, 3), the state (2, n): n vertices, m triangles.
 """
 
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
 Mask: TypeAlias = NDArray[np.bool_]
-Matrix: TypeAlias = csr_array[Any, Any]
+# scipy takes as long to import as all the rest, and most commands meet no matrix
+Matrix: TypeAlias = "csr_array[Any, Any]"

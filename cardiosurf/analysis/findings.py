@@ -21,14 +21,14 @@ WHOLE_TISSUE = "tissue"
 """Name of the target that stands in where a config has none."""
 
 
-def excitable_vertex_areas(recording: Recording) -> Floats:
+def _excitable_vertex_areas(recording: Recording, areas: Floats) -> Floats:
     """Return the excitable area that belongs to each vertex, (n,), in su^2."""
-    surface, excitable = recording.surface, recording.tissue.excitable
-    shares = np.repeat(surface.areas()[excitable] / 3.0, 3)
-    areas: Floats = np.bincount(
-        surface.triangles[excitable].ravel(), weights=shares, minlength=recording.node_count
+    excitable = recording.tissue.excitable
+    return np.bincount(
+        recording.surface.triangles[excitable].ravel(),
+        weights=np.repeat(areas[excitable] / 3.0, 3),
+        minlength=recording.node_count,
     ).astype(np.float64)
-    return areas
 
 
 def _target_masks(recording: Recording) -> dict[str, Mask]:
@@ -69,7 +69,7 @@ def judge_recording(recording: Recording) -> Verdict:
         and recording.quiescent_at is None
     )
     reentry = reentry_finding(
-        waves, excitable_vertex_areas(recording), end=recording.end_time, active=active
+        waves, _excitable_vertex_areas(recording, areas), end=recording.end_time, active=active
     )
     # while tissue is still active the question is open, and nothing speaks against the stimulus
     has_left = any(stimuli.captured) or active

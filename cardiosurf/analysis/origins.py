@@ -5,9 +5,10 @@ anisotropic eikonal equation. Instead of tracing them one by one, a label given 
 trajectories start is carried along all of them at once by one sparse solve.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
-from scipy.sparse import coo_array, eye_array
-from scipy.sparse.linalg import splu
+import scipy
 
 from cardiosurf.arrays import Floats, Ints, Mask
 
@@ -60,6 +61,40 @@ def _upwind_feet(
     return hit, where, directness
 
 
+@dataclass(frozen=True)
+class _Feet:
+    """For each vertex in ``vertex`` its upwind point: ``share`` of the way from ``a`` to ``b``."""
+
+    vertex: Ints
+    a: Ints
+    b: Ints
+    share: Floats
+
+    def chosen(self, which: Mask | Ints) -> "_Feet":
+        """Return some of them."""
+        return _Feet(self.vertex[which], self.a[which], self.b[which], self.share[which])
+
+
+def _feet(points: Floats, triangles: Ints, back: Floats, lat: Floats) -> _Feet:
+    """Return the most direct upwind point of each vertex that has one."""
+    vertex, foot_a, foot_b, share, directness = [], [], [], [], []
+    for corner in range(3):
+        hit, where, how = _upwind_feet(points, triangles, back, corner)
+        vertex.append(triangles[hit, corner])
+        foot_a.append(triangles[hit, (corner + 1) % 3])
+        foot_b.append(triangles[hit, (corner + 2) % 3])
+        share.append(where[hit])
+        directness.append(how[hit])
+    feet = _Feet(*(np.concatenate(parts) for parts in (vertex, foot_a, foot_b, share)))
+    # feet earlier than the vertex: then no set of vertices can wait for itself (its earliest
+    # vertex would need an earlier foot), and the system for the labels has one solution
+    at_foot = (1 - feet.share) * lat[feet.a] + feet.share * lat[feet.b]
+    earlier = at_foot < lat[feet.vertex]
+    feet, how = feet.chosen(earlier), np.concatenate(directness)[earlier]
+    feet = feet.chosen(np.lexsort((-how, feet.vertex)))
+    return feet.chosen(np.diff(feet.vertex, prepend=-1) > 0)
+
+
 def carry_labels(
     points: Floats, triangles: Ints, tensor: Floats, lat: Floats, labels: Floats
 ) -> Floats:
@@ -85,31 +120,19 @@ def carry_labels(
         The labels carried along; NaN at vertices of no given triangle.
     """
     gradient = triangle_gradients(points, triangles, lat)
-    back = -np.einsum("mij,mj->mi", tensor, gradient)
-    count = len(points)
-    vertex, foot_a, foot_b, share, directness = [], [], [], [], []
-    for corner in range(3):
-        hit, where, how = _upwind_feet(points, triangles, back, corner)
-        vertex.append(triangles[hit, corner])
-        foot_a.append(triangles[hit, (corner + 1) % 3])
-        foot_b.append(triangles[hit, (corner + 2) % 3])
-        share.append(where[hit])
-        directness.append(how[hit])
-    i, a, b = np.concatenate(vertex), np.concatenate(foot_a), np.concatenate(foot_b)
-    s, how = np.concatenate(share), np.concatenate(directness)
-    # feet earlier than the vertex: then no set of vertices can wait for itself (its earliest
-    # vertex would need an earlier foot), and the system below has one solution
-    keep = (1 - s) * lat[a] + s * lat[b] < lat[i]
-    order = np.lexsort((-how[keep], i[keep]))
-    i, a, b, s = i[keep][order], a[keep][order], b[keep][order], s[keep][order]
-    first = np.flatnonzero(np.r_[True, i[1:] != i[:-1]]) if i.size else np.empty(0, dtype=np.int64)
-    i, a, b, s = i[first], a[first], b[first], s[first]
-    carried = coo_array((np.r_[1 - s, s], (np.r_[i, i], np.r_[a, b])), shape=(count, count)).tocsr()
+    feet = _feet(points, triangles, -np.einsum("mij,mj->mi", tensor, gradient), lat)
+    # the system holds the vertices of these triangles only, by their numbers among themselves
+    own = np.zeros(len(points), dtype=np.bool_)
+    own[triangles] = True
+    number, count = np.cumsum(own) - 1, int(own.sum())
+    i, a, b = number[feet.vertex], number[feet.a], number[feet.b]
+    weights = np.r_[1 - feet.share, feet.share]
+    places = (np.r_[i, i], np.r_[a, b])
+    carried = scipy.sparse.coo_array((weights, places), shape=(count, count)).tocsr()
     start = np.ones((count, 1))
     start[i] = 0.0
-    system = splu((eye_array(count, format="csr") - carried).tocsc())
-    result: Floats = system.solve(start * labels)
-    beyond = np.ones(count, dtype=np.bool_)
-    beyond[triangles.ravel()] = False
-    result[beyond] = np.nan
+    identity = scipy.sparse.eye_array(count, format="csr")
+    system = scipy.sparse.linalg.splu((identity - carried).tocsc())
+    result: Floats = np.full(labels.shape, np.nan)
+    result[own] = system.solve(start * labels[own])
     return result

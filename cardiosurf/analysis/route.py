@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from cardiosurf.analysis.distance import distance_from
 from cardiosurf.analysis.origins import carry_labels, triangle_gradients
@@ -77,8 +77,12 @@ def edges_of(triangles: Ints, inside: Mask, outside: Mask) -> tuple[Ints, Ints]:
     owner : (k,) int
         The triangle inside at each.
     """
-    sides = np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
-    owner = np.repeat(np.arange(len(triangles)), 3)
+    of_inside, of_outside = np.zeros((2, int(triangles.max(initial=0)) + 1), dtype=np.bool_)
+    of_inside[triangles[inside]] = True
+    of_outside[triangles[outside]] = True
+    near = np.flatnonzero((of_inside & of_outside)[triangles].sum(axis=1) > 1)
+    sides = np.sort(triangles[near][:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
+    owner = np.repeat(near, 3)
     order = np.lexsort((sides[:, 1], sides[:, 0]))
     sides, owner = sides[order], owner[order]
     shared = np.flatnonzero((sides[1:] == sides[:-1]).all(axis=1))
@@ -150,7 +154,7 @@ def _crossed_fraction(activation: Map, inside: Mask, active: Mask, weights: Floa
     depth = distance_from(points, activation.triangles[inside], weights > 0)
     edge = float(np.sqrt(np.median(_squared_edges(points, activation.triangles[inside]))))
     own = np.flatnonzero(np.isfinite(depth))
-    nearest = np.asarray(cKDTree(points[entrance]).query(points[own])[1])
+    nearest = np.asarray(scipy.spatial.cKDTree(points[entrance]).query(points[own])[1])
     # a thin target is no deeper than this behind most of its entrance
     thickness = np.zeros(len(entrance))
     np.maximum.at(thickness, nearest, depth[own])

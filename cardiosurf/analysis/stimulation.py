@@ -72,19 +72,24 @@ def stimulation(recording: Recording, waves: Waves) -> Stimulation:
     reacting[excitable.ravel()] = True
     captured = np.zeros(len(recording.pulses), dtype=np.bool_)
     sites = _per_site(recording.pulses)
+    through_tissue = []
     for numbers in sites:
         source = strongly(recording.pulses[numbers[0]]) & reacting
-        distance = distance_from(points, excitable, source)
+        through_tissue.append(distance_from(points, excitable, source))
         for number in numbers:
-            captured[number] = has_captured(_reached(waves, number, len(points)), distance)
+            reached = _reached(waves, number, len(points))
+            captured[number] = has_captured(reached, through_tissue[-1])
     speed = conduction_speed(recording)
     arrivals = []
-    for numbers in sites:
+    for numbers, distance in zip(sites, through_tissue, strict=True):
         took = [number for number in numbers if captured[number]]
         if took or not captured.any():
             first = min(recording.pulses[number].time for number in took or numbers)
             source = strongly(recording.pulses[numbers[0]])
-            arrivals.append(first * speed + distance_from(points, triangles, source))
+            # where all tissue is excitable the bare surface is what was looked at already
+            scarred = len(excitable) < len(triangles)
+            bare = distance_from(points, triangles, source) if scarred else distance
+            arrivals.append(first * speed + bare)
     return Stimulation(tuple(bool(took) for took in captured), np.min(arrivals, axis=0))
 
 

@@ -3,8 +3,6 @@
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from pydantic import TypeAdapter
-
 from cardiosurf.analysis.block import TargetFinding
 from cardiosurf.analysis.reentry import ReentryFinding
 
@@ -96,6 +94,8 @@ def whole_verdict(
 
 def verdict_schema() -> dict[str, Any]:
     """Return the JSON Schema of verdict.json; every key is always there, and no other."""
+    from pydantic import TypeAdapter
+
     schema = TypeAdapter(Verdict).json_schema(mode="serialization")
     for part in (schema, *schema["$defs"].values()):
         part["required"] = sorted(part["properties"])

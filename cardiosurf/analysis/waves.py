@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cardiosurf.analysis.neighbours import neighbours
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.recording.recording import Events
 from cardiosurf.tissue.stimuli import Pulse
@@ -63,22 +64,10 @@ def _sorted_without_flicker(activations: Events, gap: float) -> tuple[Ints, Floa
     return nodes[keep], times[keep]
 
 
-def _neighbours(triangles: Ints) -> tuple[Ints, Ints]:
-    """Return the directed edges of a triangulation: from, to; sorted by from."""
-    pairs = triangles[:, [[0, 1], [1, 2], [2, 0], [1, 0], [2, 1], [0, 2]]].reshape(-1, 2)
-    pairs = np.unique(pairs, axis=0)
-    return pairs[:, 0], pairs[:, 1]
-
-
 def _parents(nodes: Ints, times: Floats, triangles: Ints, window: float) -> Ints:
     """Return for each activation the latest one of a neighbour before it, or itself for none."""
-    start, end = _neighbours(triangles)
     count = int(max(triangles.max(), nodes.max(initial=0))) + 1
-    first = np.searchsorted(start, np.arange(count + 1))
-    degree = np.diff(first)[nodes]
-    event = np.repeat(np.arange(len(nodes)), degree)
-    offset = np.arange(degree.sum()) - np.repeat(np.cumsum(degree) - degree, degree)
-    neighbour = end[first[nodes[event]] + offset]
+    neighbour, event = neighbours(triangles, count).at(nodes)
     # sorted by vertex, then time: one number orders them, and finds "before this, at that vertex"
     span = float(times.max(initial=0.0)) + 1.0
     key = nodes * span + times
@@ -86,9 +75,13 @@ def _parents(nodes: Ints, times: Floats, triangles: Ints, window: float) -> Ints
     valid = (found >= 0) & (nodes[found] == neighbour)
     valid &= (times[found] < times[event]) & (times[event] - times[found] <= window)
     event, found = event[valid], found[valid]
-    latest = np.lexsort((times[found], event))
     parent = np.arange(len(nodes))
-    parent[event[latest]] = found[latest]
+    if event.size:
+        since = times[found]
+        own = np.flatnonzero(np.r_[True, event[1:] != event[:-1]])
+        latest = np.repeat(np.maximum.reduceat(since, own), np.diff(np.r_[own, event.size]))
+        # of two at the same time the later written, that of the higher vertex number, stays
+        parent[event[since == latest]] = found[since == latest]
     return parent
 
 

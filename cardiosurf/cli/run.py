@@ -63,12 +63,14 @@ def run(
       cardiosurf run configs/plane_block.yaml --set tissue.patches.block.anisotropy.x=4
     """
     from cardiosurf.config import load
+
+    loaded = load(config, overrides)
+    # a config that is wrong need not wait for all that a march takes
     from cardiosurf.report.summary import cost_line
     from cardiosurf.stepping.controls import Execution
     from cardiosurf.study.folder import RunFolder
     from cardiosurf.study.simulation import simulate
 
-    loaded = load(config, overrides)
     folder = output or Path("runs") / loaded.config.name
     place = RunFolder(folder)
     if resume and not (place.resumable or place.finished):
@@ -96,4 +98,5 @@ def analyze(recording: Path, *, as_json: bool) -> None:
     from cardiosurf.recording.hdf5 import read_recording
 
     path = recording / "recording.h5" if recording.is_dir() else recording
-    _show(judge_recording(read_recording(path, with_frames=False)), [], as_json=as_json)
+    read = read_recording(path, with_frames=False)
+    _show(judge_recording(read), [], as_json=as_json)

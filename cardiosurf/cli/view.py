@@ -34,12 +34,14 @@ def plot(recording: Path, output: Path | None, formats: tuple[str, ...]) -> None
     """
     from cardiosurf.analysis.findings import judge_recording
     from cardiosurf.recording.hdf5 import read_recording
+
+    path = recording_file(recording)
+    read = read_recording(path, with_frames=False)
+    # matplotlib takes longer to import than a wrong path takes to be found
     from cardiosurf.report.canvas import FORMATS
     from cardiosurf.report.caption import verdict_caption
     from cardiosurf.report.figures import plot_all
 
-    path = recording_file(recording)
-    read = read_recording(path, with_frames=False)
     caption = verdict_caption(judge_recording(read))
     folder = path.parent if output is None else output
     for written in plot_all(read, folder, formats or FORMATS, caption=caption):

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.surface import Surface
+from cardiosurf.recording.frame_sets import FRAMES, write_frames, write_views
 from cardiosurf.recording.layout import DATASETS, SCHEMA
 from cardiosurf.recording.lengths import check_lengths
 from cardiosurf.recording.meta import read_meta, write_meta
@@ -28,12 +28,13 @@ from cardiosurf.tissue.tensor import Tissue
 
 SMALL = 256
 """Arrays of fewer numbers are not worth compressing."""
+COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
 
 def write_recording(path: Path, recording: Recording) -> None:
     """Write a recording; the file appears complete or not at all.
 
-    Ctrl-C and SIGTERM wait until HDF5 can be left: between two frames, or at the end of the file.
+    Ctrl-C and SIGTERM wait until HDF5 can be left: between two datasets, or two slabs of frames.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ def write_recording(path: Path, recording: Recording) -> None:
         for name, value in _values(recording).items():
             held.heed()
             _write(file, name, value, held)
-        _write_frame_views(file)
+        write_views(file, held)
         file["config/text"].attrs["sha256"] = recording.config_sha256
         write_meta(file.create_group("meta"), recording.meta)
         file.attrs["schema"] = SCHEMA
@@ -125,7 +126,7 @@ def _values(recording: Recording) -> Mapping[str, ArrayLike]:
     surface, tissue, pulses = recording.surface, recording.tissue, recording.pulses
     frames, probes = recording.frames, recording.probes
     edges = list(surface.edges.values())
-    d11, d22 = np.einsum("mai,mij,maj->am", surface.frame, tissue.tensor, surface.frame)
+    d11, d22 = np.einsum("mai,mai->am", surface.frame @ tissue.tensor, surface.frame)
     return {
         "mesh/points": surface.points,
         "mesh/triangles": surface.triangles,
@@ -181,44 +182,20 @@ def _stack(masks: Mapping[str, Mask], length: int) -> NDArray[np.uint8]:
 
 def _write(file: h5py.File, name: str, value: ArrayLike, held: HeldSignals) -> None:
     """Write one dataset of the layout, compressed when that is worth it."""
+    entry = DATASETS[name]
     if isinstance(value, str):
         dataset = file.create_dataset(name, data=value)
     elif isinstance(value, tuple):
         text = np.array(value, dtype=object)
         dataset = file.create_dataset(name, data=text, dtype=h5py.string_dtype())
-    elif name in {"frames/u", "frames/v"}:
-        dataset = _write_frames(file, name, np.asanyarray(value), held)
+    elif name in FRAMES:
+        dataset = write_frames(file, name, np.asanyarray(value), held)
     else:
         data = np.asarray(value)
-        options = {"compression": "gzip", "shuffle": True} if data.size > SMALL else {}
+        options = COMPRESSION if entry.packed and data.size > SMALL else {}
         dataset = file.create_dataset(name, data=data, **options)
-    entry = DATASETS[name]
     dataset.attrs["units"] = entry.units
     dataset.attrs["description"] = entry.description
-
-
-def _write_frames(
-    file: h5py.File, name: str, frames: NDArray[np.float32], held: HeldSignals
-) -> h5py.Dataset:
-    """Write frames (k, n) one by one: they may be in a file larger than memory."""
-    options: dict[str, Any] = {"shape": frames.shape, "dtype": np.float32}
-    if frames.size:
-        options |= {"chunks": (1, frames.shape[1]), "compression": "gzip", "shuffle": True}
-    dataset = file.create_dataset(name, **options)
-    for index, frame in enumerate(frames):
-        held.heed()
-        dataset[index] = frame
-    return dataset
-
-
-def _write_frame_views(file: h5py.File) -> None:
-    """Give each frame a dataset of its own without storing it twice (XDMF refers to these)."""
-    for variable in ("u", "v"):
-        stored = file[f"frames/{variable}"]
-        for index in range(len(stored)):
-            view = h5py.VirtualLayout(shape=stored.shape[1:], dtype=np.float32)
-            view[:] = h5py.VirtualSource(stored)[index]
-            file.create_virtual_dataset(f"frames/by_time/{variable}_{index:05d}", view)
 
 
 def _check(path: Path, file: h5py.File) -> None:

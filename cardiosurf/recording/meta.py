@@ -1,25 +1,10 @@
-"""Where and with what a recording was made, and how the file says so."""
+"""The numbers and texts of ``meta`` in a recording's file."""
 
-import platform
-import sys
 from collections.abc import Mapping
-from datetime import UTC, datetime
-from importlib.metadata import version
 from typing import Any
 
 import h5py
 import numpy as np
-
-PACKAGES = ("cardiosurf", "numpy", "scipy", "scikit-fem", "h5py")
-
-
-def provenance() -> Mapping[str, str | Mapping[str, str]]:
-    """Return the versions of what computed this, the platform and the time, for ``meta``."""
-    return {
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        "platform": f"{platform.system()} {platform.release()} {platform.machine()}",
-        "versions": {"python": sys.version.split()[0]} | {name: version(name) for name in PACKAGES},
-    }
 
 
 def write_meta(group: h5py.Group, meta: Mapping[str, Any]) -> None:

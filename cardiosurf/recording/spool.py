@@ -29,10 +29,12 @@ class Spool:
 
     def __init__(self, path: Path, nodes: int) -> None:
         self.path = path
-        self._row = np.dtype([("time", "<f8"), ("u", "<f4", (nodes,)), ("v", "<f4", (nodes,))])
+        row = np.dtype([("time", "<f8"), ("u", "<f4", (nodes,)), ("v", "<f4", (nodes,))])
+        self._row = np.zeros((), dtype=row)
         self._count = 0
         try:
-            path.touch()
+            # kept open: a frame a file would cost as much again as its numbers
+            self._file = path.open("r+b" if path.exists() else "w+b", buffering=0)
         except OSError as error:
             raise unwritable(path, error) from error
 
@@ -42,23 +44,21 @@ class Spool:
 
     def append(self, time: float, state: Floats) -> None:
         """Write a frame: ``time`` in tu, ``state`` (2, n)."""
-        row = np.zeros((), dtype=self._row)
+        row = self._row
         row["time"], row["u"], row["v"] = time, state[0], state[1]
         try:
-            with self.path.open("r+b", buffering=0) as file:
-                file.truncate(self._count * self._row.itemsize)
-                file.seek(0, os.SEEK_END)
-                written = file.write(row.tobytes())
+            if self._count == 0:
+                self._file.truncate(0)
+            written = os.pwrite(self._file.fileno(), row.data, self._count * row.itemsize)
         except OSError as error:
             raise unwritable(self.path, error) from error
-        if written != self._row.itemsize:
+        if written != row.itemsize:
             raise unwritable(self.path, OSError(28, os.strerror(28)))
         self._count += 1
 
     def flush(self) -> None:
         """See to it that all frames are on the disk."""
-        with self.path.open("rb") as file:
-            os.fsync(file.fileno())
+        os.fsync(self._file.fileno())
 
     def truncate(self, count: int) -> None:
         """Keep the first ``count`` frames only.
@@ -74,12 +74,16 @@ class Spool:
                 problem=f"holds fewer than the {count} frames that the checkpoint speaks of",
                 hint="run again from the start with --overwrite",
             )
-        os.truncate(self.path, count * self._row.itemsize)
+        self._file.truncate(count * self._row.itemsize)
         self._count = count
+
+    def close(self) -> None:
+        """Close the file; its frames can still be read."""
+        self._file.close()
 
     def series(self) -> FrameSeries:
         """Return the frames; u and v stay in the file and are read as they are used."""
         if self._count == 0:
             return FrameSeries.none(self._row["u"].shape[0])
-        rows = np.memmap(self.path, dtype=self._row, mode="r", shape=(self._count,))
+        rows = np.memmap(self.path, dtype=self._row.dtype, mode="r", shape=(self._count,))
         return FrameSeries(times=np.array(rows["time"]), u=rows["u"], v=rows["v"])

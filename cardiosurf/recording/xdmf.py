@@ -4,11 +4,14 @@ They hold no numbers, only references into the HDF5 file by its bare name, so th
 moved. Each frame is a dataset of its own (a view), because not every reader knows hyperslabs.
 """
 
+from collections.abc import Iterable, Iterator, Sequence
+from functools import reduce
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import h5py
 
+from cardiosurf.recording.frame_sets import FRAMES, numbered, view_of
 from cardiosurf.recording.whole_file import whole_file
 
 MAPS = {
@@ -23,6 +26,8 @@ MAPS = {
     "d22 [su^2 per tu]": ("Cell", "tissue/d22"),
 }
 """What both files show, and where it is."""
+FRAME, TIME, VIEW = "\ue000", "\ue001", "\ue002"
+"""Stand for what differs from frame to frame: private characters, which no name has."""
 KINDS = {"f": "Float", "i": "Int", "u": "UInt"}
 
 
@@ -53,42 +58,57 @@ def write_xdmf(recording: Path) -> tuple[Path, ...]:
             _save(series, _series(file, recording.name, times))
             written.append(series)
         maps = recording.with_name(f"{recording.stem}_maps.xdmf")
-        grid = _grid(file, recording.name, "maps")
-        _save(maps, grid)
+        _save(maps, [_text(_grid(file, recording.name, "maps"), level=2)])
         written.append(maps)
     return tuple(written)
 
 
-def _save(path: Path, grid: ET.Element) -> None:
-    root = ET.Element("Xdmf", Version="3.0")
-    ET.SubElement(root, "Domain").append(grid)
-    ET.indent(root)
-    with whole_file(path) as partial:
-        ET.ElementTree(root).write(partial, encoding="utf-8", xml_declaration=True)
+def _save(path: Path, grids: Iterable[str]) -> None:
+    """Write the file around the text of its grids."""
+    with whole_file(path) as partial, partial.open("w", encoding="utf-8") as file:
+        file.write("<?xml version='1.0' encoding='utf-8'?>\n")
+        file.write('<Xdmf Version="3.0">\n  <Domain>\n')
+        file.writelines(grids)
+        file.write("  </Domain>\n</Xdmf>")
 
 
-def _series(file: h5py.File, source: str, times: list[float]) -> ET.Element:
-    collection = ET.Element("Grid", Name="frames", GridType="Collection", CollectionType="Temporal")
+def _text(grid: ET.Element, level: int) -> str:
+    """Return an element as lines of text, indented to ``level``."""
+    ET.indent(grid, level=level)
+    return f"{'  ' * level}{ET.tostring(grid, encoding='unicode')}\n"
+
+
+def _series(file: h5py.File, source: str, times: Sequence[float]) -> Iterator[str]:
+    """Yield the text of a grid for each frame.
+
+    All frames show the same mesh and maps, so one is built and the others are copies of its text
+    with another number, time and view.
+    """
+    grid = _grid(file, source, f"frame {FRAME}")
+    ET.SubElement(grid, "Time", Value=TIME)
+    for name in FRAMES:
+        item = _item(file[name], source, view_of(name, VIEW), file[name].shape[1:])
+        _attribute(grid, name[-1], "Node", item)
+    one = _text(grid, level=3)
+    yield '    <Grid Name="frames" GridType="Collection" CollectionType="Temporal">\n'
     for index, time in enumerate(times):
-        grid = _grid(file, source, f"frame {index}")
-        ET.SubElement(grid, "Time", Value=repr(float(time)))
-        for variable in ("u", "v"):
-            view = f"frames/by_time/{variable}_{index:05d}"
-            _attribute(grid, variable, "Node", _item(file, source, view))
-        collection.append(grid)
-    return collection
+        words = {FRAME: str(index), TIME: repr(float(time)), VIEW: numbered(index)}
+        yield reduce(lambda text, word: text.replace(*word), words.items(), one)
+    yield "    </Grid>\n"
 
 
 def _grid(file: h5py.File, source: str, name: str) -> ET.Element:
     """Return the mesh with all maps on it."""
     grid = ET.Element("Grid", Name=name, GridType="Uniform")
-    triangles, points = "mesh/triangles", "mesh/points"
-    count = str(len(file[triangles]))
+    triangles, points = file["mesh/triangles"], file["mesh/points"]
+    count = str(len(triangles))
     topology = ET.SubElement(grid, "Topology", TopologyType="Triangle", NumberOfElements=count)
-    topology.append(_item(file, source, triangles))
-    ET.SubElement(grid, "Geometry", GeometryType="XYZ").append(_item(file, source, points))
-    for label, (centre, dataset) in MAPS.items():
-        _attribute(grid, label, centre, _item(file, source, dataset))
+    topology.append(_item(triangles, source, "mesh/triangles", triangles.shape))
+    geometry = ET.SubElement(grid, "Geometry", GeometryType="XYZ")
+    geometry.append(_item(points, source, "mesh/points", points.shape))
+    for label, (centre, name_of_map) in MAPS.items():
+        stored = file[name_of_map]
+        _attribute(grid, label, centre, _item(stored, source, name_of_map, stored.shape))
     return grid
 
 
@@ -96,15 +116,14 @@ def _attribute(grid: ET.Element, name: str, centre: str, item: ET.Element) -> No
     ET.SubElement(grid, "Attribute", Name=name, AttributeType="Scalar", Center=centre).append(item)
 
 
-def _item(file: h5py.File, source: str, dataset: str) -> ET.Element:
-    """Return the reference to a dataset."""
-    stored = file[dataset]
+def _item(stored: h5py.Dataset, source: str, name: str, shape: tuple[int, ...]) -> ET.Element:
+    """Return the reference to a dataset ``name`` of this shape, of the same type as ``stored``."""
     item = ET.Element(
         "DataItem",
         DataType=KINDS[stored.dtype.kind],
         Precision=str(stored.dtype.itemsize),
-        Dimensions=" ".join(str(length) for length in stored.shape),
+        Dimensions=" ".join(str(length) for length in shape),
         Format="HDF",
     )
-    item.text = f"{source}:/{dataset}"
+    item.text = f"{source}:/{name}"
     return item

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
+import scipy
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
@@ -13,7 +14,6 @@ from matplotlib.patches import Patch as Swatch
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.tri import Triangulation
-from scipy.spatial import cKDTree
 
 from cardiosurf.arrays import Floats, Mask
 from cardiosurf.recording.recording import Recording
@@ -249,7 +249,7 @@ def roomiest_spot(view: View, mask: Mask, taken: Sequence[Floats]) -> Floats:
     middles = view.points[inside].mean(axis=1)
     edge = view.points[np.concatenate(outlines(inside))]
     scale = np.ptp(view.limits, axis=1)
-    room = [np.asarray(cKDTree(edge / scale).query(middles / scale)[0])]
+    room = [np.asarray(scipy.spatial.cKDTree(edge / scale).query(middles / scale)[0])]
     room += [np.linalg.norm((middles - spot) / (scale * NAME_SHAPE), axis=1) for spot in taken]
     visible = (np.abs(middles - view.limits.mean(axis=1)) < scale / 2).all(axis=1)
     return np.asarray(middles[np.argmax(np.where(visible, np.min(room, axis=0), -1.0))])

@@ -18,10 +18,10 @@ from cardiosurf.recording.checkpoint import (
     restore_checkpoint,
 )
 from cardiosurf.recording.hdf5 import write_recording
-from cardiosurf.recording.meta import provenance
 from cardiosurf.recording.observers import Activation, Frames, Probes, Recorder
 from cardiosurf.recording.probe_sites import place_probes
 from cardiosurf.recording.progress import ProgressBar
+from cardiosurf.recording.provenance import provenance
 from cardiosurf.recording.quiescence import Quiescence
 from cardiosurf.recording.recording import FrameSeries, Recording
 from cardiosurf.recording.signals import stopped_by_signals
@@ -109,12 +109,14 @@ def simulate(
     """
     begun = perf_counter()
     folder = RunFolder(path)
-    with folder.in_use():
+    with folder.in_use(), ExitStack() as open_files:
         resuming = folder.open(overwrite=overwrite, resume=resume)
         try:
             with loaded.naming_lines():
                 setup = set_up(loaded.config, execution)
                 watch = _watch(loaded, setup, folder)
+            if watch.spool is not None:
+                open_files.callback(watch.spool.close)
             set_up_seconds = perf_counter() - begun
             outcome = _march(loaded, setup, folder, watch, resuming=resuming)
             recording = _recording(loaded, setup, watch, outcome, set_up_seconds)

@@ -6,8 +6,8 @@ from itertools import pairwise
 from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
+import scipy
 from annotated_types import Interval
-from scipy.special import expit
 
 from cardiosurf.arrays import Floats
 from cardiosurf.errors import InputError
@@ -288,7 +288,7 @@ def _edge_profile(surface: Surface, stimulus: EdgeStimulus, key: str) -> Floats:
         )
     segments = surface.points[surface.edges[stimulus.edge]]
     s = distance_to_segments(surface.points, segments[:, 0], segments[:, 1])
-    profile: Floats = expit((stimulus.position - s) / stimulus.width)
+    profile: Floats = scipy.special.expit((stimulus.position - s) / stimulus.width)
     return profile
 
 

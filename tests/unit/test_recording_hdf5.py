@@ -10,6 +10,7 @@ import pytest
 from recording_samples import sample_recording
 
 from cardiosurf.errors import InputError
+from cardiosurf.recording import frame_sets
 from cardiosurf.recording.hdf5 import read_recording, write_recording
 from cardiosurf.recording.layout import DATASETS, SCHEMA
 from cardiosurf.recording.recording import Events, FrameSeries, ProbeTraces
@@ -71,6 +72,16 @@ def test_frames_are_left_out_on_request(tmp_path):
     assert read_recording(tmp_path / "r.h5", with_frames=False).frames.u.shape == (0, 49)
 
 
+def test_frames_larger_than_a_slab_are_written_in_several(tmp_path, monkeypatch):
+    monkeypatch.setattr(frame_sets, "SLAB", 2 * 4 * 49)
+    recording = sample_recording()
+    assert len(recording.frames.u) == 3
+    write_recording(tmp_path / "r.h5", recording)
+    assert np.array_equal(read_recording(tmp_path / "r.h5").frames.u, recording.frames.u)
+    with h5py.File(tmp_path / "r.h5") as file:
+        assert np.array_equal(file["frames/by_time/v_00002"], recording.frames.v[2])
+
+
 def test_the_file_tells_units_and_meaning_of_every_dataset(tmp_path):
     write_recording(tmp_path / "r.h5", sample_recording())
     with h5py.File(tmp_path / "r.h5") as file:
@@ -84,7 +95,8 @@ def test_the_file_tells_units_and_meaning_of_every_dataset(tmp_path):
             lambda name, item: found.append(name) if isinstance(item, h5py.Dataset) else None
         )
         assert {name for name in found if "by_time" not in name} == set(DATASETS)
-        assert file["frames/u"].chunks == (1, 49)
+        # one frame after another, as they are: nothing to unpack
+        assert file["frames/u"].chunks is None
         assert file["frames/u"].dtype == np.float32
         assert file["tissue/d11"][()].tolist() == [
             4.0 if inside else 1.0 for inside in sample_recording().patches["strip"]

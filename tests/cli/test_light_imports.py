@@ -1,0 +1,68 @@
+"""Which modules commands may load: a heavy one takes longer to import than the command to run."""
+
+import subprocess
+import sys
+
+import pytest
+
+HEAVY = {
+    "h5py",
+    "matplotlib",
+    "meshio",
+    "mpl_toolkits",
+    "numba",
+    "numpy",
+    "pydantic",
+    "rich",
+    "yaml",
+}
+
+LOADED = """
+import sys
+sys.argv = ["cardiosurf", *sys.argv[1:]]
+from cardiosurf.cli.main import main
+code = main(sys.argv[1:])
+print("loaded:", *sorted(sys.modules), file=sys.stderr)
+sys.exit(code)
+"""
+
+
+def heavy(*arguments):
+    """Run a command in a process of its own; return the heavy modules that it loaded."""
+    done = subprocess.run(
+        [sys.executable, "-c", LOADED, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    loaded = done.stderr.rpartition("loaded:")[2].split()
+    assert "cardiosurf.cli.main" in loaded, done.stderr
+    return HEAVY & set(loaded)
+
+
+def test_help_loads_nothing_heavy():
+    assert heavy("--help") == set()
+    assert heavy("run", "--help") == set()
+
+
+CONFIG = {"numpy", "pydantic", "yaml"}
+
+
+@pytest.mark.parametrize("command", ["validate", "mesh", "run"])
+def test_a_wrong_config_is_found_before_anything_is_built(tmp_path, command):
+    assert heavy(command, tmp_path / "none.yaml") <= CONFIG
+
+
+def test_a_config_is_checked_without_what_builds_and_marches(strip):
+    assert heavy("validate", strip) <= CONFIG
+    assert heavy("schema") <= CONFIG
+
+
+@pytest.mark.parametrize("command", ["analyze", "plot"])
+def test_a_missing_recording_is_found_before_anything_is_drawn(tmp_path, command):
+    assert heavy(command, tmp_path / "none.h5") <= {"h5py", "numpy", "pydantic"}
+
+
+def test_a_recording_is_judged_without_what_made_it(whole):
+    assert heavy("analyze", whole) <= {"h5py", "numpy", "pydantic"}
