@@ -22,7 +22,7 @@ from cardiosurf.stepping.compiled.gradients import (
 )
 from cardiosurf.stepping.compiled.laws import constants_of
 from cardiosurf.stepping.compiled.passes import NEW_U, NEW_V, U0, U1, U2, U3, V0, V1
-from cardiosurf.stepping.compiled.rows import arrange
+from cardiosurf.stepping.compiled.rows import arrange, weigh
 from cardiosurf.stepping.compiled.stride import (
     FULL,
     FULL_AND_REST_CHANGED,
@@ -30,7 +30,6 @@ from cardiosurf.stepping.compiled.stride import (
     UNSOLVED,
     UNSOUND,
     stride,
-    weigh,
 )
 from cardiosurf.stepping.compiled.work import FIRST_SLOTS, Rule, make_work, scar_of
 from cardiosurf.stepping.moment import Crossings, Trace, crossings_between
@@ -135,9 +134,9 @@ class Engine:
         work.guess[:] = 0.0
         known = states[:4]
         for k, state in enumerate(known):
-            work.fields[work.slots[U0 + k]] = state[0][vertex]
+            work.fields[work.slots[U0 + k], : len(vertex)] = state[0][vertex]
         for k, state in enumerate(known[:2]):
-            work.fields[work.slots[V0 + k]] = state[1][vertex]
+            work.fields[work.slots[V0 + k], : len(vertex)] = state[1][vertex]
         work.guess[: len(known)] = _GUESSES[len(known)]
         self._resting = False
         self.strides += 1
@@ -222,7 +221,7 @@ class Engine:
         push = [dt * c / a0 for c in scheme.explicit]
         weight = dt * b0 / a0
         if weight != self._weight:
-            weigh(self._arrangement.rows, weight)
+            weigh(self._arrangement, weight)
             self._weight = weight
         return Rule(
             constants=self._constants,

@@ -6,7 +6,18 @@ import numpy as np
 
 from cardiosurf.stepping.compiled.keep import inlined
 from cardiosurf.stepping.compiled.machine import atomic_add, pause
-from cardiosurf.stepping.compiled.passes import ERROR, PQ, QQ, RQ, multiply, update
+from cardiosurf.stepping.compiled.passes import (
+    ERROR,
+    INVERSE,
+    PQ,
+    QQ,
+    RQ,
+    P,
+    Q,
+    R,
+    multiply,
+    update,
+)
 
 REASON, CROSSINGS, STEPS, ITERATIONS, MOST, ARRIVED, MET = range(7)
 GAIN, LEFT, GOAL = range(3)
@@ -42,23 +53,25 @@ def total(sums: Any, column: int) -> float:
 
 
 @inlined
-def solve(rows: Any, work: Any, share: Any, error: float, goal: float) -> Any:
+def solve(rows: Any, work: Any, u: Any, shares: Any, error: float, goal: float) -> Any:
     """Iterate conjugate gradients from the residual's square ``error`` down to the goal.
 
     With the products r q and q q the new residual is known before it is written: one pass over
-    the matrix and one over the vectors an iteration. Returns how far to go along p at last, the
-    iterations (-1: given up) and whether some have been added to e (1.0 or 0.0).
+    the matrix and one over the vectors an iteration. Returns how far u is to go along p at last,
+    and the iterations (-1: given up).
     """
-    first, last, threads = share
-    iterations, along, kept = 0, 0.0, 0.0
+    share, threads = shares
+    p, r, q, report = work.fields[P], work.fields[R], work.fields[Q], work.report
+    inverse, system = rows.nodal[INVERSE], (rows.start, rows.columns, rows.system)
+    iterations, along = 0, 0.0
     while not error <= goal:
-        multiply(rows, work, first, last)
-        meet(work.report, threads)
+        multiply(p, r if iterations else p, q, system, work.sums, share)
+        meet(report, threads)
         pq = total(work.sums, PQ)
         if iterations == ITERATION_LIMIT or not pq > 0.0 or not error < np.inf:
-            if first == 0:
+            if share[0] == 0:
                 work.reals[LEFT], work.reals[GOAL] = error, goal
-                work.report[ITERATIONS] = iterations
+                report[ITERATIONS] = iterations
             iterations = -1
             break
         along = error / pq
@@ -67,7 +80,8 @@ def solve(rows: Any, work: Any, share: Any, error: float, goal: float) -> Any:
         iterations += 1
         if expected <= goal:
             break
-        update(rows, work, share, along, expected / error, kept)
-        meet(work.report, threads)
-        error, along, kept = total(work.sums, ERROR), 0.0, 1.0
-    return along, iterations, kept
+        streams = (p, r, q, u, inverse)
+        update(streams, along, expected / error, iterations == 1, work.sums, share)
+        meet(report, threads)
+        error, along = total(work.sums, ERROR), 0.0
+    return along, iterations

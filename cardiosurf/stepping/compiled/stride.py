@@ -21,23 +21,25 @@ from cardiosurf.stepping.compiled.laws import rates
 from cardiosurf.stepping.compiled.passes import (
     BROKEN,
     CROSSED,
+    DIAGONAL,
     ERROR,
     INVERSE,
-    LUMPED,
     NEW_U,
     NEW_V,
+    ROOT,
+    SCALE,
     SIZE,
     U0,
     U1,
+    U2,
+    U3,
     V0,
     V1,
     WARM,
     P,
-    R,
     finish,
     prepare,
     residual,
-    weigh_rows,
 )
 from cardiosurf.stepping.limits import THRESHOLD
 
@@ -63,24 +65,20 @@ class Now(NamedTuple):
     guess: Floats
 
 
-@compiled
-def weigh(rows: Any, w: float) -> None:
-    """Set the matrix of a step for a weight w, in tu."""
-    weigh_rows(rows, w)
-
-
 @inlined
-def add_current(rows: Any, rule: Any, work: Any, now: Any, share: Any) -> None:
+def add_current(rows: Any, rule: Any, work: Any, new: Any, share: Any) -> None:
     """Add a stimulus's current to what is known, and to its size."""
-    fields, vectors, nodal, current = work.fields, work.vectors, rows.nodal, work.current
-    for block in range(share[0], share[1]):
+    vectors, nodal, current = work.vectors, rows.nodal, work.current
+    first, last, extents = share
+    for block in range(first, last):
         more = 0.0
-        for i in range(rows.extents[block], rows.extents[block + 1]):
+        for i in range(extents[block], extents[block + 1]):
             push = rule.current_step * current[i]
-            known = vectors[i, 0] + fields[now.slots[NEW_U], i]
-            weight = nodal[INVERSE, i] * nodal[LUMPED, i]
-            more += weight * weight * push * (2.0 * known + push)
-            vectors[i, 0] += push
+            # known + e and guess + e, of which the new potential is the guess still
+            with_earlier, guess = vectors[i].real, vectors[i].imag
+            known = (with_earlier - guess) * nodal[INVERSE, i] + new[i]
+            more += nodal[SCALE, i] * nodal[SCALE, i] * push * (2.0 * known + push)
+            vectors[i] = complex(with_earlier + nodal[ROOT, i] * push, guess)
         work.sums[block, SIZE] += more
 
 
@@ -100,19 +98,18 @@ def spare_scar(rows: Any, rule: Any, work: Any, scar: Any, now: Any) -> float:
             before = rates(c, fields[s[U1], i], fields[s[V1], i])
             share += scar.values[entry] * (rule.push0 * here[0] + rule.push1 * before[0])
         i = scar.rows[k]
-        value = fields[R, i] - rows.nodal[INVERSE, i] * share
-        gain += value * value - fields[R, i] * fields[R, i]
-        fields[R, i] = value
+        value = fields[P, i] - rows.nodal[INVERSE, i] * share
+        gain += value * value - fields[P, i] * fields[P, i]
         fields[P, i] = value
     return gain
 
 
 @inlined
-def highest(fields: Any, slot: int) -> Any:
-    """Return the largest value of a row."""
-    found = fields[slot, 0]
-    for i in range(fields.shape[1]):
-        found = max(found, fields[slot, i])
+def highest(potential: Any, nodes: Any) -> Any:
+    """Return the largest of the nodes' potentials."""
+    found = potential[0]
+    for i in range(nodes):
+        found = max(found, potential[i])
     return found
 
 
@@ -161,25 +158,37 @@ def turn(now: Any) -> None:
 
 
 @inlined
+def known_and_guess(rows: Any, rule: Any, work: Any, now: Any, share: Any) -> None:
+    """Write what is known, what is guessed, and the new recovery."""
+    f, s, nodal = work.fields, now.slots, rows.nodal
+    potentials = (f[s[U0]], f[s[U1]], f[s[U2]], f[s[U3]], f[s[NEW_U]])
+    recoveries = (f[s[V0]], f[s[V1]], f[s[NEW_V]])
+    streams = (*potentials, *recoveries, nodal[ROOT], nodal[SCALE], work.vectors)
+    prepare(streams, work.active, rule, now.guess, work.sums, share)
+    if len(work.current) > 0:
+        add_current(rows, rule, work, f[s[NEW_U]], share)
+
+
+@inlined
 def step(rows: Any, rule: Any, work: Any, scar: Any, now: Any, share: Any) -> Any:
     """Compute the new state; return the iterations, -1 if conjugate gradients gave up."""
-    first, last, threads = share
-    prepare(rows, rule, work, now, first, last)
-    if len(work.current) > 0:
-        add_current(rows, rule, work, now, share)
+    fields, sums, threads = work.fields, work.sums, rule.threads
+    known_and_guess(rows, rule, work, now, share)
     meet(work.report, threads)
-    residual(rows, rule, work, first, last)
+    both = (rows.start, rows.columns, (rows.mass, rows.system))
+    residual(fields[P], work.vectors, rows.nodal[DIAGONAL], both, sums, share)
     meet(work.report, threads)
-    error = total(work.sums, ERROR)
+    error = total(sums, ERROR)
     if len(scar.rows) > 0:
-        if first == 0:
+        if share[0] == 0:
             work.reals[GAIN] = spare_scar(rows, rule, work, scar, now)
         meet(work.report, threads)
         error += work.reals[GAIN]
-    goal = rule.tolerance * rule.tolerance * total(work.sums, SIZE) + UNDERFLOW
-    along, iterations, kept = solve(rows, work, share, error, goal)
+    goal = rule.tolerance * rule.tolerance * total(sums, SIZE) + UNDERFLOW
+    new, old = fields[now.slots[NEW_U]], fields[now.slots[U0]]
+    along, iterations = solve(rows, work, new, (share, threads), error, goal)
     if iterations >= 0:
-        finish(rows, work, now, share, along, kept)
+        finish(fields[P], new, old, rows.nodal[INVERSE], along, (sums, share))
         meet(work.report, threads)
     return iterations
 
@@ -192,7 +201,8 @@ def rests(work: Any, now: Any, warm: float, resting: bool) -> Any:
     """
     falls = True
     if warm == 0.0 and not resting:
-        falls = highest(work.fields, now.slots[NEW_U]) <= highest(work.fields, now.slots[U0])
+        nodes, new, old = len(work.active), now.slots[NEW_U], now.slots[U0]
+        falls = highest(work.fields[new], nodes) <= highest(work.fields[old], nodes)
     return warm == 0.0 and falls
 
 
@@ -234,9 +244,9 @@ def stride(rows: Any, rule: Any, work: Any, scar: Any, times: Any, thread: int) 
     Every thread runs this with its own number; they share the blocks and take the same decisions.
     ``work.report`` and ``work.reals`` tell what came of it.
     """
-    threads, blocks = rule.threads, len(rows.blocks) - 1
+    threads, blocks = rule.threads, len(rows.extents) - 1
     first = blocks * thread // threads
-    share = (first, blocks * (thread + 1) // threads, threads)
+    share = (first, blocks * (thread + 1) // threads, rows.extents)
     now = Now(np.empty(8, np.int64), np.empty(4))
     copy(work, now)
     reason, done, noted, iterations, most = DONE, 0, 0.0, 0, 0
