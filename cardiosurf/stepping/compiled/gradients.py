@@ -62,7 +62,7 @@ def solve(rows: Any, work: Any, u: Any, shares: Any, error: float, goal: float) 
     """
     share, threads = shares
     p, r, q, report = work.fields[P], work.fields[R], work.fields[Q], work.report
-    inverse, system = rows.nodal[INVERSE], (rows.start, rows.columns, rows.system)
+    inverse, system = rows.nodal[INVERSE], (rows.start, rows.longer, rows.columns, rows.system)
     iterations, along = 0, 0.0
     while not error <= goal:
         multiply(p, r if iterations else p, q, system, work.sums, share)

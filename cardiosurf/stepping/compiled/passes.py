@@ -69,15 +69,18 @@ def prepare(streams: Any, active: Any, rule: Any, guess: Any, sums: Any, share: 
 @inlined
 def residual(p: Any, vectors: Any, diagonal: Any, rows: Any, sums: Any, share: Any) -> None:
     """Write the residual of the guess, scaled by D^-1/2: the first direction."""
-    start, columns, pair = rows
+    start, longer, columns, pair = rows
     first, last, extents = share
     for block in range(first, last):
         low, high = extents[block], extents[block + 1]
-        row = low
-        for group in range(low // FOUR, (high + FOUR - ONE) // FOUR):
+        row, entry = low, start[low // FOUR]
+        for _ in range(low // FOUR, longer[block]):
+            six_differences(pair, vectors, columns, entry, (p, row))
+            row, entry = row + FOUR, entry + SIX_FOURS
+        for group in range(longer[block], (high + FOUR - ONE) // FOUR):
             six_differences(pair, vectors, columns, start[group], (p, row))
-            for entry in range(start[group] + SIX_FOURS, start[group + 1], FOUR):
-                add_difference(pair, vectors, columns, entry, (p, row))
+            for more in range(start[group] + SIX_FOURS, start[group + 1], FOUR):
+                add_difference(pair, vectors, columns, more, (p, row))
             row += FOUR
         error = 0.0
         for i in range(low, high):
@@ -90,15 +93,18 @@ def residual(p: Any, vectors: Any, diagonal: Any, rows: Any, sums: Any, share: A
 @inlined
 def multiply(p: Any, r: Any, q: Any, rows: Any, sums: Any, share: Any) -> None:
     """Write q = A p, and the products p q, r q and q q."""
-    start, columns, system = rows
+    start, longer, columns, system = rows
     first, last, extents = share
     for block in range(first, last):
         low, high = extents[block], extents[block + 1]
-        row = low
-        for group in range(low // FOUR, (high + FOUR - ONE) // FOUR):
+        row, entry = low, start[low // FOUR]
+        for _ in range(low // FOUR, longer[block]):
+            six_products(system, p, columns, entry, (q, row))
+            row, entry = row + FOUR, entry + SIX_FOURS
+        for group in range(longer[block], (high + FOUR - ONE) // FOUR):
             six_products(system, p, columns, start[group], (q, row))
-            for entry in range(start[group] + SIX_FOURS, start[group + 1], FOUR):
-                add_product(system, p, columns, entry, (q, row))
+            for more in range(start[group] + SIX_FOURS, start[group + 1], FOUR):
+                add_product(system, p, columns, more, (q, row))
             row += FOUR
         pq, rq, qq = 0.0, 0.0, 0.0
         for i in range(low, high):

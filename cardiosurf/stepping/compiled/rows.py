@@ -33,6 +33,8 @@ class Rows(NamedTuple):
     ----------
     start : (m / 4 + 1,) uint64
         First entry of each group; m is n rounded up to full groups.
+    longer : (b,) uint64
+        First group of each block that has more than six entries a row.
     columns : (z,) uint32
         The neighbour that an entry belongs to; 0 where it was filled up.
     mass, system : (z,) float
@@ -45,6 +47,7 @@ class Rows(NamedTuple):
     """
 
     start: NDArray[np.uint64]
+    longer: NDArray[np.uint64]
     columns: NDArray[np.uint32]
     mass: Floats
     system: Floats
@@ -96,8 +99,10 @@ def arrange(operators: Operators) -> Arrangement:
     np.maximum(neighbours[vertex], LEAST, out=width[:n])
     longest = width.reshape(-1, GROUP).max(axis=1)
     start = np.concatenate(([0], np.cumsum(GROUP * longest))).astype(np.uint64)
+    sixes = np.add.reduceat(longest == LEAST, np.arange(0, len(longest), BLOCK // GROUP))
     rows = Rows(
         start=start,
+        longer=(np.arange(0, len(longest), BLOCK // GROUP) + sixes).astype(np.uint64),
         columns=np.zeros(start[-1], dtype=np.uint32),
         mass=np.zeros(start[-1]),
         system=np.zeros(start[-1]),

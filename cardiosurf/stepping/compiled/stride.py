@@ -175,7 +175,7 @@ def step(rows: Any, rule: Any, work: Any, scar: Any, now: Any, share: Any) -> An
     fields, sums, threads = work.fields, work.sums, rule.threads
     known_and_guess(rows, rule, work, now, share)
     meet(work.report, threads)
-    both = (rows.start, rows.columns, (rows.mass, rows.system))
+    both = (rows.start, rows.longer, rows.columns, (rows.mass, rows.system))
     residual(fields[P], work.vectors, rows.nodal[DIAGONAL], both, sums, share)
     meet(work.report, threads)
     error = total(sums, ERROR)
