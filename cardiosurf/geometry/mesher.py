@@ -7,6 +7,7 @@ from scipy.spatial import cKDTree
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.errors import NumericalError
+from cardiosurf.geometry.flips import updated
 from cardiosurf.geometry.frontier import Frontier, Line, first_lines, frontier, halved, sizes
 from cardiosurf.geometry.refinement import FLOOR, Bad, bad_triangles, remedy
 from cardiosurf.geometry.sheet import Sheet
@@ -43,10 +44,21 @@ class Job:
 
 @dataclass(frozen=True)
 class Draft:
-    """A mesh in the making: its vertices on the skeleton's arcs, and the free ones (f, 3)."""
+    """A mesh in the making.
+
+    Attributes
+    ----------
+    lines : tuple of Line
+        Its vertices on the skeleton's arcs.
+    free : (f, 3) float
+        The other ones.
+    hull : (m, 3) int, or None
+        Delaunay triangles of all its vertices, where they are known.
+    """
 
     lines: tuple[Line, ...]
     free: Floats
+    hull: Ints | None = None
 
 
 @dataclass(frozen=True)
@@ -60,7 +72,9 @@ class View:
     points : (n, 3) float
         All vertices, those of the front first.
     triangles : (m, 3) int
-        Delaunay triangles, of all vertices or of those around the zone.
+        Delaunay triangles on the surface, of all vertices or of those around the zone.
+    hull : (h, 3) int
+        These and those past open edges.
     judged : (n,) bool
         Vertices in the zone: all their triangles are there, and right.
     lost : (s,) bool
@@ -70,6 +84,7 @@ class View:
     front: Frontier
     points: Floats
     triangles: Ints
+    hull: Ints
     judged: Mask
     lost: Mask
 
@@ -136,11 +151,22 @@ def _smoothed(draft: Draft, job: Job) -> Draft:
         if view.lost.any():
             draft = _recovered(draft, view, job.sheet)
             continue
-        moved = relaxed(view.points, view.triangles, view.free, job.sheet)
-        draft = replace(draft, free=moved[len(view.front.points) :])
+        points = relaxed(view.points, view.triangles, view.free, job.sheet)
+        gone = np.zeros(len(points), dtype=bool)
         if number < _SMOOTH_ROUNDS - 1:
-            draft = _thinned(draft, view, job.edge_length)
+            gone = _too_near(replace(view, points=points), job.edge_length)
+        draft = _moved_on(draft, view, points, gone, job.sheet)
     return draft
+
+
+def _moved_on(draft: Draft, view: View, points: Floats, gone: Mask, sheet: Sheet) -> Draft:
+    """Return the draft with all vertices of a view in new places but those that are gone."""
+    moved = (points != view.points).any(axis=1)
+    hull = updated(sheet.flattened(points), view.hull, moved, gone)
+    if hull is not None:
+        hull = (np.cumsum(~gone) - 1)[hull]
+    fixed = len(view.front.points)
+    return Draft(draft.lines, points[fixed:][~gone[fixed:]], hull)
 
 
 def _seen(draft: Draft, job: Job, zone: Floats | None) -> View:
@@ -153,12 +179,17 @@ def _seen(draft: Draft, job: Job, zone: Floats | None) -> View:
         found, _ = cKDTree(zone).query(points, distance_upper_bound=reach)
         away = np.asarray(found) / job.edge_length
     near = np.flatnonzero(np.isfinite(away))
-    triangles, centres = job.sheet.triangulate(points[near])
-    triangles = near[triangles[job.sheet.part_of(centres) >= 0]]
+    hull = draft.hull if zone is None else None
+    if hull is None:
+        hull = near[job.sheet.triangulate(points[near])]
+    # a triangle with a free vertex is past no open edge
+    doubtful = np.flatnonzero((hull < len(front.points)).all(axis=1))
+    past = job.sheet.part_of(job.sheet.centres(points, hull[doubtful])) < 0
+    triangles = np.delete(hull, doubtful[past], axis=0)
     triangles = triangles[(away[triangles] < _TRUSTED).all(axis=1)]
     judged = np.asarray(away < _JUDGED)
     lost = judged[front.segments].all(axis=1) & ~are_edges(front.segments, triangles)
-    return View(front, points, triangles, judged, lost)
+    return View(front, points, triangles, hull, judged, lost)
 
 
 def _recovered(draft: Draft, view: View, sheet: Sheet) -> Draft:
@@ -174,21 +205,23 @@ def _recovered(draft: Draft, view: View, sheet: Sheet) -> Draft:
     return Draft(halved(draft.lines, front, alone, sheet), draft.free[~crowd])
 
 
-def _thinned(draft: Draft, view: View, edge_length: float) -> Draft:
-    """Remove free vertices that are too near another vertex."""
-    fixed = len(view.front.points)
-    points = np.concatenate([view.front.points, draft.free])
+def _too_near(view: View, edge_length: float) -> Mask:
+    """Return the free vertices that are too near another vertex, (n,)."""
+    fixed, points = len(view.front.points), view.points
     edges, _ = numbered_edges(view.triangles)
     edges = edges[edges[:, 1] >= fixed]
     length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
+    # no edge may be longer than wanted far from the skeleton
+    edges, length = (
+        edges[length < _SHORTEST * edge_length],
+        length[length < _SHORTEST * edge_length],
+    )
     short = length < _SHORTEST * sizes(view.front, edge_length, points[edges].mean(axis=1))
-    gone: set[int] = set()
+    gone = np.zeros(len(points), dtype=bool)
     for one, other in edges[short][np.argsort(length[short], kind="stable")].tolist():
-        if one not in gone:
-            gone.add(other)
-    keep = np.ones(len(points), dtype=bool)
-    keep[list(gone)] = False
-    return replace(draft, free=draft.free[keep[fixed:]])
+        if not gone[one]:
+            gone[other] = True
+    return gone
 
 
 def _bad(view: View, edge_length: float, asked: float) -> Bad:

@@ -110,7 +110,7 @@ def crossings(
 
 
 def _triangulated(sheet: Sheet, points: Floats, spacing: float) -> Background:
-    triangles, _ = sheet.triangulate(points)
+    triangles = sheet.triangulate(points)
     # the chart also has triangles across the hole of a vein and around the outside
     longest = np.linalg.norm(edge_vectors(points, triangles), axis=2).max(axis=1)
     triangles = triangles[longest < 4.0 * spacing]

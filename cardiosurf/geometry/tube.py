@@ -120,11 +120,13 @@ class Tube:
         start = np.arctan(-self.arc / self._slant)
         return np.asarray(2.0 * self.arc / self._slant * (np.arctan(slope) - start))
 
-    def triangulate(self, points: Floats) -> tuple[Ints, Floats]:
-        """Return the Delaunay triangles in the chart, and a surface point inside each."""
-        flat = self.chart(points)
-        triangles = planar_delaunay(flat)
-        return triangles, self.unchart(flat[triangles].mean(axis=1))
+    def triangulate(self, points: Floats) -> Ints:
+        """Return the Delaunay triangles in the chart."""
+        return planar_delaunay(self.chart(points))
+
+    def centres(self, points: Floats, triangles: Ints) -> Floats:
+        """Return the surface points of the triangles' centroids in the chart."""
+        return self.unchart(self.chart(points)[triangles].mean(axis=1))
 
     def spread(self, window: Window, spacing: float) -> Floats:
         """Return a lattice on the plane and rings on the vein, two of them past its tip."""
