@@ -107,6 +107,12 @@ def _area_vectors(corners: list[list[Floats]]) -> tuple[Floats, Floats, Floats]:
     return 0.5 * (uy * vz - uz * vy), 0.5 * (uz * vx - ux * vz), 0.5 * (ux * vy - uy * vx)
 
 
+def longest_edge(points: Floats, triangles: Ints) -> float:
+    """Return the length of the longest edge of all."""
+    corners = _corners(points, triangles)
+    return float(np.sqrt(max(_square(corners[i - 1], corners[i]).max() for i in range(3))))
+
+
 def angles(points: Floats, triangles: Ints) -> Floats:
     """Return the angle at each vertex of each triangle, (m, 3), in degrees."""
     sides = edge_vectors(points, triangles)

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 from annotated_types import Interval
+from scipy.spatial import cKDTree
 from scipy.special import expit
 
 from cardiosurf.arrays import Floats
@@ -17,6 +18,9 @@ from cardiosurf.geometry.surface import Surface
 from cardiosurf.sections import Amplitude, Instant, Positive, Section, Span, Strength
 from cardiosurf.spelling import did_you_mean
 from cardiosurf.tissue.distance import distance_to_segments
+
+# widths beyond the middle of an edge's profile where it has sunk to 4e-18
+_FADED = 40.0
 
 Beats: TypeAlias = Annotated[int, Interval(ge=1, le=10_000)]
 
@@ -287,8 +291,15 @@ def _edge_profile(surface: Surface, stimulus: EdgeStimulus, key: str) -> Floats:
             did_you_mean(stimulus.edge, names) or ("" if names else "shape: point, or region"),
         )
     segments = surface.points[surface.edges[stimulus.edge]]
-    s = distance_to_segments(surface.points, segments[:, 0], segments[:, 1])
-    profile: Floats = expit((stimulus.position - s) / stimulus.width)
+    # farther from the edge the profile is 0 to double precision, and the distance of no use
+    reach = stimulus.position + _FADED * stimulus.width
+    half = 0.5 * float(np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).max())
+    middles = cKDTree(segments.mean(axis=1))
+    found = middles.query(surface.points, distance_upper_bound=reach + half)[0]
+    near = np.flatnonzero(np.isfinite(found))
+    s = distance_to_segments(surface.points[near], segments[:, 0], segments[:, 1])
+    profile = np.zeros(len(surface.points))
+    profile[near] = expit((stimulus.position - s) / stimulus.width)
     return profile
 
 
