@@ -3,7 +3,7 @@
 import numpy as np
 
 from cardiosurf.arrays import Floats, Ints, Mask
-from cardiosurf.geometry.topology import twins
+from cardiosurf.geometry.topology import corners_in, twins
 
 _ROUNDS = 200
 # a fourth vertex on the circle itself, up to rounding, asks for no flip
@@ -24,7 +24,7 @@ def updated(flat: Floats, triangles: Ints, moved: Mask, gone: Mask) -> Ints | No
     """
     triangles, beside = _collapsed(flat, triangles, gone)
     touched = moved | beside
-    near = triangles[touched[triangles].any(axis=1)]
+    near = triangles[corners_in(touched, triangles) > 0]
     if gone[near].any() or not (_turn(flat, *near.T) > 0.0).all():
         return None
     return _flipped(flat, triangles, touched)
@@ -37,8 +37,8 @@ def _collapsed(flat: Floats, triangles: Ints, gone: Mask) -> tuple[Ints, Mask]:
     """
     beside = np.zeros(len(flat), dtype=bool)
     left = gone.copy()
-    while left[triangles].any():
-        rows = np.flatnonzero(left[triangles].any(axis=1))
+    while corners_in(left, triangles).any():
+        rows = np.flatnonzero(corners_in(left, triangles))
         vertex, into = _drawn_into(flat, triangles[rows], left)
         if not len(vertex):
             break
@@ -83,10 +83,11 @@ def _flipped(flat: Floats, triangles: Ints, touched: Mask) -> Ints | None:
     neighbours; half edge 3 t + i is the one opposite vertex i of triangle t.
     """
     corners, twin = triangles.ravel().copy(), twins(triangles)
-    near = np.repeat(touched[triangles].any(axis=1), 3)
-    edges = np.flatnonzero(near & (twin >= 0))
+    near = corners_in(touched, triangles) > 0
+    half = np.arange(len(twin))
+    # each edge once; an edge of which only the other triangle is near counts as well
+    edges = half[(twin > half) & (np.repeat(near, 3) | near[twin // 3])]
     for _ in range(_ROUNDS):
-        edges = np.unique(np.minimum(edges, twin[edges]))
         edges = edges[_wrong(flat, corners, edges, twin[edges])]
         if not len(edges):
             return corners.reshape(-1, 3)
@@ -103,6 +104,7 @@ def _flipped(flat: Floats, triangles: Ints, touched: Mask) -> Ints | None:
         rest = rest[~stale[rest // 3] & ~stale[twin[rest] // 3]]
         done = done[twin[done] >= 0]
         edges = np.concatenate([rest, done])
+        edges = np.unique(np.minimum(edges, twin[edges]))
     return None
 
 

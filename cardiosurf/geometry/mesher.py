@@ -13,7 +13,7 @@ from cardiosurf.geometry.refinement import FLOOR, Bad, bad_triangles, remedy
 from cardiosurf.geometry.sheet import Sheet
 from cardiosurf.geometry.skeleton import Skeleton
 from cardiosurf.geometry.smoothing import improved, relaxed
-from cardiosurf.geometry.topology import are_edges, numbered_edges
+from cardiosurf.geometry.topology import are_edges, corners_in, edge_lengths, numbered_edges
 
 _CLEAR = 0.6
 _SHORTEST = 0.55
@@ -140,9 +140,14 @@ def _scattered(job: Job, lines: tuple[Line, ...]) -> Floats:
     front = frontier(job.bones.corners, lines)
     if not len(front.segments):
         return seeds
-    wanted = sizes(front, job.edge_length, seeds)
     tree = cKDTree(np.concatenate([front.points, front.middles]))
-    return seeds[tree.query(seeds)[0] > _CLEAR * wanted]
+    # no edge is wanted longer than edge_length: seeds farther away are clear
+    reach = _CLEAR * job.edge_length
+    away = np.asarray(tree.query(seeds, distance_upper_bound=reach * (1.0 + 1e-9))[0])
+    near = np.flatnonzero(np.isfinite(away))
+    keep = np.ones(len(seeds), dtype=bool)
+    keep[near] = away[near] > _CLEAR * sizes(front, job.edge_length, seeds[near])
+    return seeds[keep]
 
 
 def _smoothed(draft: Draft, job: Job) -> Draft:
@@ -183,10 +188,10 @@ def _seen(draft: Draft, job: Job, zone: Floats | None) -> View:
     if hull is None:
         hull = near[job.sheet.triangulate(points[near])]
     # a triangle with a free vertex is past no open edge
-    doubtful = np.flatnonzero((hull < len(front.points)).all(axis=1))
+    doubtful = np.flatnonzero(corners_in(np.arange(len(points)) < len(front.points), hull) == 3)
     past = job.sheet.part_of(job.sheet.centres(points, hull[doubtful])) < 0
     triangles = np.delete(hull, doubtful[past], axis=0)
-    triangles = triangles[(away[triangles] < _TRUSTED).all(axis=1)]
+    triangles = triangles[corners_in(away < _TRUSTED, triangles) == 3]
     judged = np.asarray(away < _JUDGED)
     lost = judged[front.segments].all(axis=1) & ~are_edges(front.segments, triangles)
     return View(front, points, triangles, hull, judged, lost)
@@ -208,14 +213,11 @@ def _recovered(draft: Draft, view: View, sheet: Sheet) -> Draft:
 def _too_near(view: View, edge_length: float) -> Mask:
     """Return the free vertices that are too near another vertex, (n,)."""
     fixed, points = len(view.front.points), view.points
-    edges, _ = numbered_edges(view.triangles)
+    # no edge is wanted longer than edge_length: a look at the short ones will do
+    row = np.flatnonzero(edge_lengths(points, view.triangles).min(axis=0) < _SHORTEST * edge_length)
+    edges, _ = numbered_edges(view.triangles[row])
     edges = edges[edges[:, 1] >= fixed]
     length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
-    # no edge may be longer than wanted far from the skeleton
-    edges, length = (
-        edges[length < _SHORTEST * edge_length],
-        length[length < _SHORTEST * edge_length],
-    )
     short = length < _SHORTEST * sizes(view.front, edge_length, points[edges].mean(axis=1))
     gone = np.zeros(len(points), dtype=bool)
     for one, other in edges[short][np.argsort(length[short], kind="stable")].tolist():
@@ -225,7 +227,7 @@ def _too_near(view: View, edge_length: float) -> Mask:
 
 
 def _bad(view: View, edge_length: float, asked: float) -> Bad:
-    triangles = view.triangles[view.judged[view.triangles].all(axis=1)]
+    triangles = view.triangles[corners_in(view.judged, view.triangles) == 3]
     return bad_triangles(view.points, triangles, view.front, edge_length, asked)
 
 
@@ -239,7 +241,6 @@ def _refined(draft: Draft, view: View, job: Job, bad: Bad) -> tuple[Draft, bool]
 
 
 def _without_orphans(points: Floats, triangles: Ints) -> tuple[Floats, Ints]:
-    used = np.unique(triangles)
-    renumbered = np.full(len(points), -1)
-    renumbered[used] = np.arange(len(used))
-    return points[used], renumbered[triangles]
+    used = np.zeros(len(points), dtype=bool)
+    used[triangles] = True
+    return points[used], (np.cumsum(used) - 1)[triangles]

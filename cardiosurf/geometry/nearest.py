@@ -6,7 +6,7 @@ import numpy as np
 
 from cardiosurf.arrays import Floats
 from cardiosurf.geometry.surface import Surface
-from cardiosurf.geometry.topology import longest_edge
+from cardiosurf.geometry.topology import corners_in, edge_lengths
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ def nearest_point(surface: Surface, point: Floats) -> Nearest:
     target = np.asarray(point, dtype=np.float64)
     away = np.linalg.norm(surface.points - target, axis=1)
     # a triangle as near as the nearest vertex has a vertex not a longest edge farther away
-    limit = away.min() + longest_edge(surface.points, surface.triangles)
-    rows = np.flatnonzero((away <= limit)[surface.triangles].any(axis=1))
+    limit = away.min() + edge_lengths(surface.points, surface.triangles).max()
+    rows = np.flatnonzero(corners_in(away <= limit, surface.triangles))
     corners = surface.points[surface.triangles[rows]]
     # of these, only triangles whose circle about their centroid may reach in need a closer look
     centre = corners.mean(axis=1)

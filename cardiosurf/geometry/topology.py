@@ -18,10 +18,27 @@ def numbered_edges(triangles: Ints) -> tuple[Ints, Ints]:
 
 def open_edges(triangles: Ints) -> Ints:
     """Return the edges (k, 2) that have a single triangle, in the triangle's direction."""
-    order, first, _ = _by_edge(triangles)
+    count = int(triangles.max(initial=-1)) + 1
+    # around an inner vertex each neighbour is once the next and once the one before; squares tell
+    # apart what plain numbers might not
+    names, after, before = (triangles[:, [i, (i + 1) % 3, (i + 2) % 3]].T.ravel() for i in range(3))
+    labels = np.arange(count, dtype=np.float64)
+    rim = np.zeros(count, dtype=bool)
+    for label in (labels, (labels * labels) % 1e6):
+        rim |= np.bincount(names, label[after] - label[before], count) != 0.0
+    near = np.flatnonzero(corners_in(rim, triangles) >= 2)
+    order, first, _ = _by_edge(triangles[near])
     single = first & np.append(first[1:], True)
     row, corner = np.divmod(np.sort(order[single]), 3)
+    row = near[row]
     return np.stack([triangles[row, (corner + 1) % 3], triangles[row, (corner + 2) % 3]], axis=1)
+
+
+def corners_in(mask: Mask, triangles: Ints) -> Ints:
+    """Return how many vertices of each triangle are in the mask (n,), (m,)."""
+    number = mask.view(np.int8)
+    one, two, three = (number[triangles[:, i]] for i in range(3))
+    return np.asarray(one + two + three)
 
 
 def twins(triangles: Ints) -> Ints:
@@ -63,7 +80,7 @@ def are_edges(pairs: Ints, triangles: Ints) -> Mask:
     # the pairs are few: most triangles have nothing to do with them
     asked = np.zeros(base, dtype=bool)
     asked[pairs] = True
-    near = triangles[asked[triangles].sum(axis=1) >= 2]
+    near = triangles[corners_in(asked, triangles) >= 2]
     edges = near[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2)
     return np.isin(_keys(pairs, base), _keys(edges, base))
 
@@ -107,10 +124,10 @@ def _area_vectors(corners: list[list[Floats]]) -> tuple[Floats, Floats, Floats]:
     return 0.5 * (uy * vz - uz * vy), 0.5 * (uz * vx - ux * vz), 0.5 * (ux * vy - uy * vx)
 
 
-def longest_edge(points: Floats, triangles: Ints) -> float:
-    """Return the length of the longest edge of all."""
+def edge_lengths(points: Floats, triangles: Ints) -> Floats:
+    """Return the lengths of the edges, (3, m); edge i is opposite vertex i."""
     corners = _corners(points, triangles)
-    return float(np.sqrt(max(_square(corners[i - 1], corners[i]).max() for i in range(3))))
+    return np.sqrt(np.stack([_square(corners[i - 2], corners[i - 1]) for i in range(3)]))
 
 
 def angles(points: Floats, triangles: Ints) -> Floats:

@@ -96,13 +96,13 @@ def crossings(
     for chain in chains:
         cells[chain.level][tree.query(chain.points, k=min(10, tree.n))[1].ravel()] = True
     starts, pairs = [np.empty((0, 3))], [np.empty((0, 2), dtype=np.int64)]
-    centres = sheet.project(np.asarray(tree.data))
+    centres = np.asarray(tree.data)
     for first in range(len(levels)):
         for second in range(first + 1, len(levels)):
             both = np.flatnonzero(cells[first] & cells[second])
             starts.append(centres[both])
             pairs.append(np.tile([first, second], (len(both), 1)))
-    start, pair = np.concatenate(starts), np.concatenate(pairs)
+    start, pair = sheet.project(np.concatenate(starts)), np.concatenate(pairs)
     found, residual, sine = onto_crossing(start, pair, levels, sheet, ground.spacing)
     near_by = np.linalg.norm(found - start, axis=1) < 3.0 * ground.spacing
     good = near_by & (residual < 1e-8)
