@@ -89,7 +89,7 @@ def onto_crossing(
 
 def limited(steps: Floats, reach: float) -> Floats:
     """Return the steps (n, 3), none longer than reach."""
-    length = np.linalg.norm(steps, axis=1)
+    length = np.sqrt(np.einsum("nk,nk->n", steps, steps))
     return np.asarray(steps * np.minimum(1.0, reach / np.maximum(length, 1e-300))[:, None])
 
 

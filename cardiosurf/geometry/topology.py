@@ -31,7 +31,9 @@ def open_edges(triangles: Ints) -> Ints:
     single = first & np.append(first[1:], True)
     row, corner = np.divmod(np.sort(order[single]), 3)
     row = near[row]
-    return np.stack([triangles[row, (corner + 1) % 3], triangles[row, (corner + 2) % 3]], axis=1)
+    edges = np.stack([triangles[row, (corner + 1) % 3], triangles[row, (corner + 2) % 3]], axis=1)
+    # the triangle beyond an edge to an inner vertex was not looked at
+    return np.asarray(edges[rim[edges].all(axis=1)])
 
 
 def corners_in(mask: Mask, triangles: Ints) -> Ints:
