@@ -25,7 +25,7 @@ def updated(flat: Floats, triangles: Ints, moved: Mask, gone: Mask) -> Ints | No
     triangles, beside = _collapsed(flat, triangles, gone)
     touched = moved | beside
     near = triangles[corners_in(touched, triangles) > 0]
-    if gone[near].any() or not (_turn(flat, *near.T) > 0.0).all():
+    if corners_in(gone, triangles).any() or not (_turn(flat, *near.T) > 0.0).all():
         return None
     return _flipped(flat, triangles, touched)
 

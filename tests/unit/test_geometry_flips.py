@@ -110,3 +110,13 @@ def test_open_edges_of_many_triangles_are_those_counted_one_by_one():
             uses.setdefault(frozenset(pair), []).append(pair)
     single = [pairs[0] for pairs in uses.values() if len(pairs) == 1]
     assert sorted(map(tuple, open_edges(triangles).tolist())) == sorted(single)
+
+
+def test_a_vertex_that_no_neighbour_can_stand_in_for_is_not_left_out():
+    # a pinwheel about the origin: none of its corners sees all its edges
+    angle = np.radians([0, 100, 120, 220, 240, 340])
+    rim = np.array([1.0, 0.2] * 3)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    points = np.concatenate([rim, [[0.0, 0.0]]])
+    fan = np.array([[6, one, (one + 1) % 6] for one in range(6)])
+    gone = np.arange(7) == 6
+    assert updated(points, fan, np.zeros(7, bool), gone) is None
