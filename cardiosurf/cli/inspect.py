@@ -125,11 +125,11 @@ def _contents(loaded: Loaded) -> str:
 def _surface(loaded: Loaded) -> Surface:
     """Build the surface of a config; its errors name file and line."""
     from cardiosurf.config import regions_of
-    from cardiosurf.geometry import build_surface
+    from cardiosurf.study.surface_cache import surface_of
 
     config = loaded.config
     with loaded.naming_lines():
-        return build_surface(config.geometry, config.mesh.edge_length, regions_of(config))
+        return surface_of(config.geometry, config.mesh.edge_length, regions_of(config))
 
 
 def _built(loaded: Loaded) -> str:

@@ -84,8 +84,16 @@ class Sheet(Protocol):
         """Return points (n, 3) spread evenly over the surface and a little past open edges."""
         ...
 
-    def triangulate(self, points: Floats) -> tuple[Ints, Floats]:
-        """Return the Delaunay triangles (m, 3) of the points, and a surface point inside each."""
+    def flattened(self, points: Floats) -> Floats:
+        """Return where the points lie in the chart, (n, 2); a sphere's stay, (n, 3)."""
+        ...
+
+    def triangulate(self, points: Floats) -> Ints:
+        """Return the Delaunay triangles (m, 3) of the points, counter-clockwise or outward."""
+        ...
+
+    def centres(self, points: Floats, triangles: Ints) -> Floats:
+        """Return a surface point inside each triangle, (m, 3)."""
         ...
 
 

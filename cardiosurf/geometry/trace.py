@@ -96,13 +96,13 @@ def crossings(
     for chain in chains:
         cells[chain.level][tree.query(chain.points, k=min(10, tree.n))[1].ravel()] = True
     starts, pairs = [np.empty((0, 3))], [np.empty((0, 2), dtype=np.int64)]
-    centres = sheet.project(np.asarray(tree.data))
+    centres = np.asarray(tree.data)
     for first in range(len(levels)):
         for second in range(first + 1, len(levels)):
             both = np.flatnonzero(cells[first] & cells[second])
             starts.append(centres[both])
             pairs.append(np.tile([first, second], (len(both), 1)))
-    start, pair = np.concatenate(starts), np.concatenate(pairs)
+    start, pair = sheet.project(np.concatenate(starts)), np.concatenate(pairs)
     found, residual, sine = onto_crossing(start, pair, levels, sheet, ground.spacing)
     near_by = np.linalg.norm(found - start, axis=1) < 3.0 * ground.spacing
     good = near_by & (residual < 1e-8)
@@ -110,7 +110,7 @@ def crossings(
 
 
 def _triangulated(sheet: Sheet, points: Floats, spacing: float) -> Background:
-    triangles, _ = sheet.triangulate(points)
+    triangles = sheet.triangulate(points)
     # the chart also has triangles across the hole of a vein and around the outside
     longest = np.linalg.norm(edge_vectors(points, triangles), axis=2).max(axis=1)
     triangles = triangles[longest < 4.0 * spacing]

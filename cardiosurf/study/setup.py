@@ -6,10 +6,10 @@ from cardiosurf.arrays import Mask
 from cardiosurf.config.sections import Config, regions_of, target_key
 from cardiosurf.errors import InputError
 from cardiosurf.fem.operators import assemble
-from cardiosurf.geometry import build_surface
 from cardiosurf.geometry.surface import Surface
 from cardiosurf.stepping.controls import Controls, Execution, decide
 from cardiosurf.stepping.march import Problem
+from cardiosurf.study.surface_cache import surface_of
 from cardiosurf.tissue.stimuli import Pulse, build_pulses
 from cardiosurf.tissue.tensor import Tissue, build_tissue
 
@@ -60,7 +60,7 @@ def set_up(config: Config, execution: Execution | None = None) -> Setup:
         If a region is empty, a stimulus or an axis does not fit the surface, a target has no
         excitable tissue, ...
     """
-    surface = build_surface(config.geometry, config.mesh.edge_length, regions_of(config))
+    surface = surface_of(config.geometry, config.mesh.edge_length, regions_of(config))
     tissue = build_tissue(surface, config.tissue)
     pulses = build_pulses(surface, config.stimulus)
     check_targets(config, surface, tissue)
