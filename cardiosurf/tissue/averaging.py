@@ -15,7 +15,9 @@ MOST_PIECES = 24
 _AT_ONCE = 400_000
 
 
-def hat_means(surface: Surface, function: Callable[[Floats], Floats], near: Mask) -> Floats:
+def hat_means(
+    surface: Surface, function: Callable[[Floats], Floats], argument: Floats, near: Mask
+) -> Floats:
     """Return the mean of a function over each vertex's hat function, (n,).
 
     The mean is the integral of function times hat over the integral of the hat, so the function's
@@ -28,23 +30,25 @@ def hat_means(surface: Surface, function: Callable[[Floats], Floats], near: Mask
     surface : Surface
         The mesh.
     function : callable
-        Takes points (k, 3), returns values (k,).
+        Takes arguments (k, ...), returns values (k,).
+    argument : (n, ...) float
+        What it is a function of, at the vertices and linear in between: their coordinates, say.
     near : (m,) bool
         Triangles where the function is not zero all over; elsewhere it is not asked.
     """
-    points, triangles = surface.points, surface.triangles
+    triangles, count = surface.triangles, len(surface.points)
     areas, chosen = surface.areas(), np.flatnonzero(near)
     longest = np.sqrt(areas[chosen].max(initial=0.0) * 4.0 / np.sqrt(3.0))
     weights = _barycentres(int(np.clip(np.ceil(longest / FINENESS), 1, MOST_PIECES)))
-    total = np.zeros(len(points))
+    total = np.zeros(count)
     chunk = max(1, _AT_ONCE // len(weights))
     for first in range(0, len(chosen), chunk):
         part = triangles[chosen[first : first + chunk]]
-        places = np.einsum("qc,tcd->tqd", weights, points[part])
-        values = function(places.reshape(-1, 3)).reshape(len(part), -1)
+        places = np.einsum("qc,tc...->tq...", weights, argument[part])
+        values = function(places.reshape(-1, *argument.shape[1:])).reshape(len(part), -1)
         shares = areas[chosen[first : first + chunk], None] * (values @ weights) / len(weights)
-        total += np.bincount(part.ravel(), shares.ravel(), len(points))
-    hats = np.bincount(triangles.ravel(), np.repeat(areas / 3.0, 3), len(points))
+        total += np.bincount(part.ravel(), shares.ravel(), count)
+    hats = np.bincount(triangles.ravel(), np.repeat(areas / 3.0, 3), count)
     means: Floats = total / hats
     return means
 

@@ -64,7 +64,7 @@ def disc_profile(surface: Surface, centre: Vector, radius: float, key: str) -> F
         away = np.linalg.norm(places - near.point, axis=1)
         return np.where(away < radius, np.exp(-0.5 * (away / radius) ** 2), 0.0)
 
-    return hat_means(surface, disc, _around(surface, r < radius))
+    return hat_means(surface, disc, surface.points, _around(surface, r < radius))
 
 
 def edge_profile(surface: Surface, edge: str, position: float, width: float, key: str) -> Floats:
@@ -100,13 +100,17 @@ def edge_profile(surface: Surface, edge: str, position: float, width: float, key
     half = 0.5 * float(np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).max())
     middles = scipy.spatial.cKDTree(segments.mean(axis=1))
     found = middles.query(surface.points, distance_upper_bound=reach + half)[0]
+    near = _around(surface, np.isfinite(found))
+    asked = np.unique(surface.triangles[near])
+    s = np.full(len(surface.points), np.inf)
+    s[asked] = distance_to_segments(surface.points[asked], segments[:, 0], segments[:, 1])
+    return hat_means(surface, lambda s: _fading((s - position) / width), s, near)
 
-    def wave(places: Floats) -> Floats:
-        s = distance_to_segments(places, segments[:, 0], segments[:, 1])
-        values: Floats = scipy.special.expit((position - s) / width)
-        return values
 
-    return hat_means(surface, wave, _around(surface, np.isfinite(found)))
+def _fading(x: Floats) -> Floats:
+    """Return 1/(1 + exp(x))."""
+    values: Floats = scipy.special.expit(-x)
+    return values
 
 
 def region_profile(surface: Surface, key: str) -> Floats:
