@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.errors import NumericalError
@@ -140,7 +140,7 @@ def _scattered(job: Job, lines: tuple[Line, ...]) -> Floats:
     front = frontier(job.bones.corners, lines)
     if not len(front.segments):
         return seeds
-    tree = cKDTree(np.concatenate([front.points, front.middles]))
+    tree = scipy.spatial.cKDTree(np.concatenate([front.points, front.middles]))
     # no edge is wanted longer than edge_length: seeds farther away are clear
     reach = _CLEAR * job.edge_length
     away = np.asarray(tree.query(seeds, distance_upper_bound=reach * (1.0 + 1e-9))[0])
@@ -181,7 +181,7 @@ def _seen(draft: Draft, job: Job, zone: Floats | None) -> View:
     away = np.zeros(len(points))
     if zone is not None:
         reach = _AROUND * job.edge_length
-        found, _ = cKDTree(zone).query(points, distance_upper_bound=reach)
+        found, _ = scipy.spatial.cKDTree(zone).query(points, distance_upper_bound=reach)
         away = np.asarray(found) / job.edge_length
     near = np.flatnonzero(np.isfinite(away))
     hull = draft.hull if zone is None else None
@@ -203,7 +203,9 @@ def _recovered(draft: Draft, view: View, sheet: Sheet) -> Draft:
     crowd = np.zeros(len(draft.free), dtype=bool)
     alone = lost.copy()
     if len(draft.free):
-        near = cKDTree(draft.free).query_ball_point(front.middles[lost], 0.5 * front.lengths[lost])
+        near = scipy.spatial.cKDTree(draft.free).query_ball_point(
+            front.middles[lost], 0.5 * front.lengths[lost]
+        )
         for number, found in zip(np.flatnonzero(lost), near, strict=True):
             crowd[found] = True
             alone[number] = not found

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.geometry.frontier import Frontier, sizes, wedges
@@ -75,7 +75,7 @@ def remedy(
     split = np.zeros(len(front.segments), dtype=bool)
     inside = sheet.part_of(centre) >= 0
     if len(front.segments):
-        tree = cKDTree(front.middles)
+        tree = scipy.spatial.cKDTree(front.middles)
         near = tree.query(centre, k=min(6, tree.n))
         away, which = (np.asarray(one).reshape(len(centre), -1) for one in near)
         within = away < 0.5 * front.lengths[which]
@@ -110,7 +110,7 @@ def _apart(points: Floats, radius: Floats) -> Floats:
     """Return the points without those nearer to an earlier one than their radius."""
     if not len(points):
         return points
-    near = cKDTree(points).query_ball_point(points, 0.9 * radius)
+    near = scipy.spatial.cKDTree(points).query_ball_point(points, 0.9 * radius)
     taken = np.zeros(len(points), dtype=bool)
     for number, others in enumerate(near):
         taken[number] = not taken[others].any()

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.spatial import ConvexHull
+import scipy
 
 from cardiosurf.arrays import Floats, Ints
 from cardiosurf.errors import InputError
@@ -108,7 +108,7 @@ class SphereSheet:
         faces = 4.0 * np.pi * self.radius**2 / (np.sqrt(3.0) / 4.0 * spacing**2)
         pieces = max(_FEWEST, round(float(np.sqrt(faces / 20.0))))
         corners = _icosahedron()
-        hull = ConvexHull(corners).simplices
+        hull = scipy.spatial.ConvexHull(corners).simplices
         i, j = np.meshgrid(np.arange(pieces + 1), np.arange(pieces + 1), indexing="ij")
         keep = i + j <= pieces
         first, second = i[keep] / pieces, j[keep] / pieces
@@ -126,7 +126,7 @@ class SphereSheet:
 
     def triangulate(self, points: Floats) -> Ints:
         """Return the convex hull's triangles (the sphere's Delaunay triangles), outward."""
-        triangles = ConvexHull(points).simplices.astype(np.int64)
+        triangles = scipy.spatial.ConvexHull(points).simplices.astype(np.int64)
         outward = area_vectors(points, triangles)
         inverted = np.einsum("md,md->m", outward, points[triangles].sum(axis=1)) < 0
         triangles[inverted] = triangles[inverted][:, [0, 2, 1]]

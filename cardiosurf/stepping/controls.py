@@ -2,18 +2,20 @@
 
 import os
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from annotated_types import Ge, Le
 
 from cardiosurf.errors import InputError
-from cardiosurf.fem.operators import Operators
 from cardiosurf.kinetics import Kinetics
 from cardiosurf.sections import Positive, Section, Span
 from cardiosurf.stepping.schemes import SCHEMES, Scheme
 from cardiosurf.stepping.solvers import LOOSEST_TOLERANCE, SolverChoice, choose_solver
 from cardiosurf.stepping.step_rule import ACCURACY, StepChoice, asked_step, auto_step
+
+if TYPE_CHECKING:
+    from cardiosurf.fem.operators import Operators
 
 MOST_STEPS = 1e7
 NODES_A_THREAD = 20_000
@@ -90,7 +92,7 @@ class Controls:
 def decide(
     section: TimeSection,
     kinetics: Kinetics,
-    operators: Operators,
+    operators: "Operators",
     *,
     accuracy: float = ACCURACY,
     execution: Execution | None = None,
