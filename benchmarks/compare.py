@@ -75,12 +75,31 @@ class Ladder:
         for edge, dt in sorted(pairs, key=lambda pair: _cost(*pair)):
             if _cost(edge, dt) > limit or _cost(edge, dt) * pace > self._longest:
                 break
+            if self._vain(edge, dt):
+                continue
             self.runs[edge, dt] = run = self._first(edge, dt)
             print(f"  {edge:6.3g} {dt:6.3g} {run.error:9.3%} {run.seconds:9.3f} s", flush=True)
             if run.loops:
                 pace = run.seconds / _cost(edge, dt)
             if limit == np.inf and (best := self.best(TARGETS[-1], assured=True)) is not None:
                 limit = 2.0 * _cost(best.edge, best.dt)
+
+    def _vain(self, edge: float, dt: float) -> bool:
+        """Whether refining this far has stopped helping, in space or in time, short of the goal."""
+        edges, (level, place) = list(self._rungs), self._place(edge, dt)
+        coarser = [(e, self._rungs[e][place]) for e in edges[:level]]
+        longer = [(edge, one) for one in self._rungs[edge][:place]]
+        return any(self._stuck(line) for line in (coarser, longer))
+
+    def _stuck(self, line: list[tuple[float, float]]) -> bool:
+        errors = [self.runs[pair].error for pair in line if pair in self.runs]
+        if len(errors) < 2:
+            return False
+        before, last = errors[-2:]
+        return last > TARGETS[-1] and abs(last - before) < 0.1 * before
+
+    def _place(self, edge: float, dt: float) -> tuple[int, int]:
+        return list(self._rungs).index(edge), self._rungs[edge].index(dt)
 
     def best(self, target: float, *, assured: bool) -> Measured | None:
         """Return the fastest run below a target."""
@@ -114,13 +133,10 @@ class Ladder:
         ]
 
     def _assured(self, run: Measured, target: float) -> bool:
-        edges = list(self._rungs)
-        level = edges.index(run.edge)
+        edges, (level, place) = list(self._rungs), self._place(run.edge, run.dt)
         if level + 1 == len(edges):
             return False
         finer = edges[level + 1]
-        # steps go by their place in the ladder: explicit codes have others at every edge length
-        place = self._rungs[run.edge].index(run.dt)
         needed = [(finer, self._rungs[finer][place])]
         if place + 1 < len(self._rungs[run.edge]):
             needed.append((run.edge, self._rungs[run.edge][place + 1]))

@@ -93,17 +93,16 @@ class Runner:
         return json.loads(done.stdout.strip().splitlines()[-1])
 
 
-FINE = (1.7, 1.4, 1.2, 1.0, 0.85, 0.7)
 blended = partial(
     Runner,
     # beyond 5 su an edge spans half a front
-    edges=(6.0, 5.0, 4.5, 4.0, 3.6, 3.3, 2.8, 2.4, 2.0, *FINE),
+    edges=(5.0, 4.5, 4.0, 3.6, 3.3, 2.8, 2.4, 2.0, 1.7, 1.4, 1.2, 1.0),
     steps=fixed(4.0, 3.0, 2.5, 2.0, 1.5, 1.25, 1.0, 0.7, 0.5),
 )
 consistent = partial(
     Runner,
-    edges=(4.0, 3.3, 2.8, 2.4, 2.0, *FINE, 0.6),
-    steps=fixed(5.0, 4.0, 3.0, 2.0, 1.5, 1.0, 0.7, 0.5),
+    edges=(4.0, 3.3, 2.8, 2.4, 2.0, 1.7, 1.4, 1.2, 1.0, 0.85, 0.7, 0.6),
+    steps=fixed(4.0, 3.0, 2.5, 2.0, 1.5, 1.0, 0.7, 0.5),
 )
 
 CARDIOSURF = blended(
@@ -121,8 +120,8 @@ PEERS = (
         VENV,
         "torchcor",
         ("torchcor_fem.py",),
-        edges=(5.0, 4.0, 3.3, 2.8, 2.4, 2.0, *FINE),
-        steps=fixed(2.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25, 0.125),
+        edges=(4.0, 3.3, 2.8, 2.4, 2.0, 1.7, 1.4, 1.2, 1.0, 0.85),
+        steps=fixed(2.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25),
     ),
     Runner(
         "finitewave",
@@ -131,7 +130,7 @@ PEERS = (
         "finitewave",
         ("finitewave_fd.py",),
         # whole numbers of cells between the centre and the block's edge
-        edges=tuple(50.0 / n for n in (16, 20, 24, 27, 30, 35, 40, 50, 60, 70, 80)),
+        edges=tuple(50.0 / n for n in (20, 24, 27, 30, 35, 40, 50, 60, 66, 72)),
         steps=lambda edge: stable(edge, 0.95, 0.6),
         problems="A",
     ),
