@@ -101,8 +101,8 @@ blended = partial(
 )
 consistent = partial(
     Runner,
-    edges=(4.0, 3.3, 2.8, 2.4, 2.0, 1.7, 1.4, 1.2, 1.0, 0.85, 0.7, 0.6),
-    steps=fixed(4.0, 3.0, 2.5, 2.0, 1.5, 1.0, 0.7, 0.5),
+    edges=(3.3, 2.8, 2.4, 2.0, 1.7, 1.4, 1.2, 1.0, 0.85, 0.7, 0.6),
+    steps=fixed(4.0, 3.0, 2.0, 1.5, 1.0, 0.5),
 )
 
 CARDIOSURF = blended(
