@@ -2,10 +2,11 @@ PYTHON ?= python3
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
+PEERS  := .venv-peers
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help install run test test-slow bench check format clean
+.PHONY: help install run test test-slow bench bench-peers check format clean
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -32,6 +33,17 @@ test-slow: $(STAMP)  ## convergence and regression suites
 bench: $(STAMP)  ## time the everyday things, write benchmarks/README.md
 	$(BIN)/python benchmarks/everyday.py
 
+bench-peers: $(STAMP) $(PEERS)/.installed  ## time to 1, 0.5, 0.1 % of LAT against other codes (an hour)
+	@/usr/bin/python3 -c "import dolfinx" 2>/dev/null || \
+		echo "FEniCSx is left out: on Debian, apt-get install python3-dolfinx brings it"
+	$(BIN)/python benchmarks/compare.py
+
+# the peers' pins contradict ours (numpy), so they have an environment of their own
+$(PEERS)/.installed: benchmarks/peers/requirements.txt
+	test -x $(PEERS)/bin/python || $(PYTHON) -m venv $(PEERS)
+	$(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check --requirement $<
+	touch $@
+
 check: $(STAMP)  ## ruff, mypy --strict, import-linter
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -43,5 +55,5 @@ format: $(STAMP)  ## let ruff mend what it can
 	$(BIN)/ruff format .
 
 clean:  ## remove the environment, caches and runs
-	rm -rf $(VENV) runs .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf $(VENV) $(PEERS) runs .mypy_cache .ruff_cache .pytest_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -4,18 +4,12 @@ import numpy as np
 
 from cardiosurf.analysis.block import TargetFinding, target_finding
 from cardiosurf.analysis.reentry import ReentryFinding, reentry_finding
-from cardiosurf.analysis.route import FRONT_WIDTH, Map
+from cardiosurf.analysis.route import Map
 from cardiosurf.analysis.stimulation import stimulation
 from cardiosurf.analysis.verdict import NO_CAPTURE_ADVICE, Verdict, whole_verdict
 from cardiosurf.analysis.waves import trace_waves
 from cardiosurf.arrays import Floats, Mask
 from cardiosurf.recording.recording import Recording
-
-TRUSTED_LAT_ERROR = 0.005
-"""Relative LAT error of the time step above which a verdict carries a warning."""
-
-COARSEST_EDGES = {"blended": FRONT_WIDTH / 3.0, "lumped": FRONT_WIDTH / 8.0}
-"""Edges above which the front's speed is off by more than 0.5 % (docs/numerics.md)."""
 
 WHOLE_TISSUE = "tissue"
 """Name of the target that stands in where a config has none."""
@@ -91,19 +85,21 @@ def judge_recording(recording: Recording) -> Verdict:
 
 def _accuracy_notes(recording: Recording) -> list[str]:
     """Return warnings about a step or a mesh too coarse to be believed."""
+    meta = recording.meta
+    accuracy = meta.get("accuracy", 0.005)
     notes = []
-    error = recording.meta.get("lat_error", 0.0)
-    if error > TRUSTED_LAT_ERROR:
+    error = meta.get("lat_error", 0.0)
+    if error > accuracy:
         notes.append(
-            f"steps of {recording.meta['step']:g} tu put LAT off by about {error:.1%}, and may turn"
+            f"steps of {meta['step']:g} tu put LAT off by about {error:.1%}, and may turn"
             " a verdict; use time.step: auto"
         )
-    edge, mass = recording.meta.get("edge_length", 0.0), recording.meta.get("mass", "blended")
-    coarsest = COARSEST_EDGES.get(mass, COARSEST_EDGES["lumped"])
-    if edge > coarsest:
+    error = meta.get("edge_lat_error", 0.0)
+    # the rule for edges bounds the worst of the cases it was measured on, most are thrice as good
+    if error > 2.0 * accuracy:
         notes.append(
-            f"edges of {edge:g} su are coarse for a front {FRONT_WIDTH:g} su wide, and may turn a"
-            f" verdict; use mesh.edge_length: {coarsest:g} or less"
+            f"edges of {meta['edge_length']:g} su put LAT off by up to {error:.1%}, and may turn"
+            " a verdict; use mesh.edge_length: auto"
         )
     return notes
 

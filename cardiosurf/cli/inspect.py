@@ -112,6 +112,8 @@ def schema(what: str) -> None:
 
 def _contents(loaded: Loaded) -> str:
     """Return one line about what a config holds."""
+    from cardiosurf.config.accuracy import edge_choice
+
     config = loaded.config
     counts = (
         (len(config.tissue.patches), "patch", "patches"),
@@ -119,17 +121,20 @@ def _contents(loaded: Loaded) -> str:
         (len(config.targets), "target", "targets"),
     )
     listed = ", ".join(f"{count} {one if count == 1 else many}" for count, one, many in counts)
-    return f"{config.name}: {config.geometry.kind}, edges {config.mesh.edge_length:g} su, {listed}"
+    edge = edge_choice(config).edge_length
+    return f"{config.name}: {config.geometry.kind}, edges {edge:g} su, {listed}"
 
 
 def _surface(loaded: Loaded) -> Surface:
     """Build the surface of a config; its errors name file and line."""
     from cardiosurf.config import regions_of
-    from cardiosurf.geometry import build_surface
+    from cardiosurf.config.accuracy import edge_choice
+    from cardiosurf.study.surface_cache import surface_of
 
     config = loaded.config
     with loaded.naming_lines():
-        return build_surface(config.geometry, config.mesh.edge_length, regions_of(config))
+        edge = edge_choice(config).edge_length
+        return surface_of(config.geometry, edge, regions_of(config))
 
 
 def _built(loaded: Loaded) -> str:
@@ -145,10 +150,11 @@ def _built(loaded: Loaded) -> str:
 
 def _report(loaded: Loaded, surface: Surface) -> list[str]:
     """Return the quality of a mesh, and the area of each part and region, as lines of text."""
+    from cardiosurf.config.accuracy import edge_choice
     from cardiosurf.geometry.quality import quality
 
     q = quality(surface)
-    wanted = loaded.config.mesh.edge_length
+    wanted = edge_choice(loaded.config).edge_length
     rows = [
         ("vertices, triangles, edges", f"{q.vertices}, {q.triangles}, {q.edges}", ""),
         ("smallest, largest angle", f"{q.smallest_angle:.1f}, {q.largest_angle:.1f} degrees", ""),

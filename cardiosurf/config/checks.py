@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Protocol
 
+from cardiosurf.config.accuracy import edge_choice
 from cardiosurf.config.document import is_index
 from cardiosurf.config.fit import check_fit
 from cardiosurf.config.region_paths import leaves, regions_in
@@ -18,6 +19,7 @@ from cardiosurf.tissue.patches import check_diffusivity, factors_of
 from cardiosurf.tissue.stimuli import RegionStimulus, beat_times, check_timing, stimulus_key
 
 _MOST_FRAMES = 1e6
+USUAL_EDGE = 2.5
 _ITEM_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_ -]*")
 
 
@@ -28,11 +30,12 @@ class _Named(Protocol):
 
 def check(config: Config) -> list[InputError]:
     """Return everything in which the sections contradict each other; ``where`` is a key path."""
+    edge = _edge(config)
     shape = list(_raised(config.geometry.check)) or list(
-        _raised(lambda: check_size(config.geometry, config.mesh.edge_length))
+        _raised(lambda: check_size(config.geometry, edge))
     )
     return [
-        *(shape or check_fit(config)),
+        *(shape or check_fit(config, edge)),
         *_names("tissue.patches", config.tissue.patches),
         *_names("record.probes", config.record.probes),
         *_names("targets", config.targets),
@@ -42,6 +45,14 @@ def check(config: Config) -> list[InputError]:
         *_stimuli(config),
         *_times(config),
     ]
+
+
+def _edge(config: Config) -> float:
+    """Return the mesh edges, and a usual length where a wrong tissue tells no automatic one."""
+    try:
+        return edge_choice(config).edge_length
+    except InputError:
+        return USUAL_EDGE
 
 
 def resolved(config: Config) -> Config:

@@ -11,9 +11,9 @@ from cardiosurf.tissue.patches import patch_key
 from cardiosurf.tissue.stimuli import EdgeStimulus, stimulus_key
 
 
-def check_fit(config: Config) -> Iterator[InputError]:
+def check_fit(config: Config, edge_length: float) -> Iterator[InputError]:
     """Yield an error for each part, open edge or net axis that the shape does not have."""
-    sheet = config.geometry.sheet(config.mesh.edge_length)
+    sheet = config.geometry.sheet(edge_length)
     kind = config.geometry.kind
     axes = sorted({axis for pair in sheet.axes for axis in pair})
     for place, region in regions_in(config):

@@ -10,6 +10,7 @@ import annotated_types
 from pydantic import Discriminator, Tag
 from pydantic.fields import FieldInfo
 
+from cardiosurf.config.accuracy import Accuracy
 from cardiosurf.config.document import KeyPath
 from cardiosurf.config.unions import KeyedBy
 from cardiosurf.geometry.angles import Angle
@@ -105,6 +106,8 @@ def describe(annotation: Any) -> str:
     """Return what a type allows, in words for a message."""
     if annotation == Angle:
         return "an angle: radians, a multiple of pi (-3*pi/4) or degrees (45 deg)"
+    if annotation == Accuracy:
+        return "a percentage from 0.05 % to 5 %, or a fraction such as 0.005"
     choice, section = choice_of(annotation), section_of(annotation)
     if choice is not None:
         text = _describe_choice(choice)

@@ -7,6 +7,7 @@ from annotated_types import Interval, MinLen
 from pydantic import Field
 
 from cardiosurf.analysis.targets import Target
+from cardiosurf.config.accuracy import LONGEST_EDGE, SHORTEST_EDGE, Accuracy
 from cardiosurf.config.unions import keyed_union
 from cardiosurf.geometry import SHAPES, AnyShape
 from cardiosurf.geometry.regions import Region
@@ -41,14 +42,18 @@ Name: TypeAlias = Annotated[
 ]
 
 
+EdgeLength: TypeAlias = Annotated[float, Interval(ge=SHORTEST_EDGE, le=LONGEST_EDGE)]
+
+
 @dataclass(frozen=True)
 class MeshSection(Section):
     """How finely the surface is divided into triangles.
 
     Attributes
     ----------
-    edge_length : float
-        Target length of the triangles' edges, in su; fronts are about 12 su wide.
+    edge_length : float or "auto"
+        Target length of the triangles' edges, in su; fronts are about 12 su wide. ``auto`` is the
+        longest that the accuracy allows.
     order : int
         Polynomial order of the elements.
     mass : str
@@ -56,7 +61,7 @@ class MeshSection(Section):
         leading error of the front speed.
     """
 
-    edge_length: Annotated[float, Interval(ge=0.1, le=50.0)] = 2.5
+    edge_length: EdgeLength | Literal["auto"] = "auto"
     order: Literal[1] = 1
     mass: Literal["blended", "lumped", "consistent"] = "blended"
 
@@ -69,6 +74,8 @@ class Config(Section):
     ----------
     name : str
         What the run is called; a file-name-safe word. The file's name without suffix by default.
+    accuracy : float
+        Relative error of LAT that ``auto`` edges and steps stay below: 0.005, or 0.5 %.
     geometry : shape
         The surface, by its ``kind``.
     mesh : MeshSection
@@ -88,6 +95,7 @@ class Config(Section):
     """
 
     name: Name = "simulation"
+    accuracy: Accuracy = 0.005
     geometry: Geometry
     mesh: MeshSection = field(default_factory=MeshSection)
     kinetics: Kinetics = field(default_factory=RogersMcCulloch)

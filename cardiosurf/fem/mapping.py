@@ -40,7 +40,8 @@ class SurfaceMapping(Mapping):  # type: ignore[misc]  # scikit-fem carries no ty
     """
 
     def __init__(self, mesh: MeshTri) -> None:
-        corners = mesh.p[:, mesh.t]
+        # all arrays have the triangles along contiguous memory, which einsum needs to be quick
+        corners = np.take(mesh.p, mesh.t, axis=1)
         self.origin: Floats = corners[:, 0]
         self.jacobian: Floats = np.stack(
             (corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
@@ -57,7 +58,7 @@ class SurfaceMapping(Mapping):  # type: ignore[misc]  # scikit-fem carries no ty
             )
         self.area_element: Floats = np.sqrt(determinant)
         inverse = np.array([[gram[1, 1], -gram[0, 1]], [-gram[0, 1], gram[0, 0]]]) / determinant
-        self.pseudo_inverse: Floats = np.einsum("abk,ibk->aik", inverse, self.jacobian)
+        self.pseudo_inverse: Floats = np.einsum("abk,ibk->aik", inverse, self.jacobian, order="C")
 
     def F(self, X: Floats, tind: Ints | None = None) -> Floats:  # noqa: N802
         """Return the points in space of the reference points X (2, q), as (3, m, q)."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
+from scipy.sparse import coo_array, csr_array
 from skfem import Basis, BilinearForm, ElementTriP1
 from skfem.helpers import dot, grad, mul
 
@@ -12,11 +12,16 @@ from cardiosurf.arrays import Floats, Ints, Mask, Matrix
 from cardiosurf.fem.mapping import SurfaceMapping, surface_mesh
 
 Mass: TypeAlias = Literal["blended", "lumped", "consistent"]
+# one point is exact for what is constant; scikit-fem's own rule of order 1 has three
+_CENTRE = np.full((2, 1), 1.0 / 3.0), np.array([0.5])
 
 
 @dataclass(frozen=True)
 class Operators:
     """The matrices of M u' = -K u + R f, one row a vertex.
+
+    All three have an entry for each vertex and each edge of the mesh, zeros included, in sorted
+    order, and share the arrays ``indices`` and ``indptr``: one loop over rows can serve them all.
 
     Attributes
     ----------
@@ -78,42 +83,49 @@ def assemble(
     mesh = surface_mesh(points, triangles)
     mapping = SurfaceMapping(mesh)
     # gradients are constant on a triangle, products of two hat functions are quadratic
-    at_centre = _basis(mesh, mapping, 1)
+    at_centre = _basis(mesh, mapping, quadrature=_CENTRE)
     d = np.ascontiguousarray(np.moveaxis(tensor, 0, -1))[..., None]
-    stiffness = _tidy(BilinearForm(diffusion).assemble(at_centre, tensor=d))
-    whole = _mass(_basis(mesh, mapping, 2), mass)
+    rates = BilinearForm(diffusion).coo_data(at_centre, tensor=d)
+    products = BilinearForm(product).coo_data(
+        _basis(mesh, mapping, intorder=2, dofs=at_centre.dofs)
+    )
+    # the real and the imaginary part of one matrix: both are summed into its entries at once
+    both = _summed(products, products.data + 1j * rates.data)
+    whole = _with_values(both, _blended(both, both.data.real, mass))
+    stiffness = _with_values(both, both.data.imag)
     if excitable.all():
         return Operators(whole, whole, stiffness)
-    part = _basis(mesh, mapping, 2, elements=np.flatnonzero(excitable))
-    return Operators(whole, _mass(part, mass), stiffness)
+    part = _summed(products, (products.data.reshape(-1, len(triangles)) * excitable).ravel())
+    return Operators(whole, _with_values(both, _blended(both, part.data, mass)), stiffness)
 
 
-def _basis(
-    mesh: Any, mapping: SurfaceMapping, degree: int, *, elements: Ints | None = None
-) -> Basis:
-    """Return the hat functions with a quadrature exact up to ``degree``."""
-    return Basis(
-        mesh,
-        ElementTriP1(),
-        mapping=mapping,
-        intorder=degree,
-        elements=elements,
-        disable_doflocs=True,
-    )
+def _basis(mesh: Any, mapping: SurfaceMapping, **options: Any) -> Basis:
+    """Return the hat functions with a quadrature."""
+    return Basis(mesh, ElementTriP1(), mapping=mapping, disable_doflocs=True, **options)
 
 
-def _mass(basis: Basis, kind: Mass) -> Matrix:
-    """Return the mass matrix of the basis's triangles."""
-    consistent = _tidy(BilinearForm(product).assemble(basis))
+def _summed(form: Any, values: Any) -> Any:
+    """Return the matrix of local values (9 m,) in the order of an assembled form's."""
+    matrix = coo_array((values, tuple(form.indices)), shape=form.shape).tocsr()
+    matrix.sum_duplicates()
+    return matrix
+
+
+def _with_values(pattern: Any, values: Floats) -> Matrix:
+    """Return the matrix with the entries of another one and these values."""
+    matrix: Matrix = csr_array(pattern.shape)
+    # set, because the constructor copies them
+    matrix.data = np.ascontiguousarray(values)
+    matrix.indices, matrix.indptr = pattern.indices, pattern.indptr
+    matrix.has_canonical_format = True
+    return matrix
+
+
+def _blended(pattern: Any, consistent: Floats, kind: Mass) -> Floats:
+    """Return the values of the mass of a kind, given those of the consistent one."""
     if kind == "consistent":
         return consistent
-    lumped = diags_array(consistent.sum(axis=1)).tocsr()
-    return _tidy(lumped if kind == "lumped" else (lumped + consistent) / 2.0)
-
-
-def _tidy(matrix: Any) -> Matrix:
-    """Return the matrix as a csr_array with sorted indices and no stored zeros."""
-    tidy = csr_array(matrix)
-    tidy.sum_duplicates()
-    tidy.eliminate_zeros()
-    return tidy
+    lumped = np.zeros_like(consistent)
+    row = np.repeat(np.arange(pattern.shape[0]), np.diff(pattern.indptr))
+    lumped[pattern.indices == row] = np.bincount(row, consistent)
+    return lumped if kind == "lumped" else 0.5 * lumped + 0.5 * consistent

@@ -139,12 +139,26 @@ def _labelled(
 
 def _tangent(exact: Floats, normal: Floats) -> Floats:
     """Return the exact frames (m, 2, 3) turned into the triangles' planes, orthonormal."""
-    normal = normal / np.linalg.norm(normal, axis=1)[:, None]
-    first = exact[:, 0] - np.einsum("mk,mk->m", exact[:, 0], normal)[:, None] * normal
-    first /= np.linalg.norm(first, axis=1)[:, None]
-    second = np.cross(normal, first)
-    second *= np.sign(np.einsum("mk,mk->m", second, exact[:, 1]))[:, None]
-    return np.stack([first, second], axis=1)
+    n, e1, e2 = (list(one.T) for one in (normal, exact[:, 0], exact[:, 1]))
+    # columns: sums over rows of three are slow
+    n = _unit(n)
+    along = _dot(e1, n)
+    first = _unit([a - along * b for a, b in zip(e1, n, strict=True)])
+    second = [n[k - 2] * first[k - 1] - n[k - 1] * first[k - 2] for k in range(3)]
+    side = np.sign(_dot(second, e2))
+    frame = np.empty((len(normal), 2, 3))
+    for k in range(3):
+        frame[:, 0, k], frame[:, 1, k] = first[k], second[k] * side
+    return frame
+
+
+def _dot(one: list[Floats], other: list[Floats]) -> Floats:
+    return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
+
+
+def _unit(vectors: list[Floats]) -> list[Floats]:
+    length = np.sqrt(_dot(vectors, vectors))
+    return [column / length for column in vectors]
 
 
 def _empty(name: str, points: Floats) -> InputError:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.geometry.arcs import Arc
@@ -142,7 +142,7 @@ def sizes(front: Frontier, edge_length: float, points: Floats) -> Floats:
     wanted = np.full(len(points), edge_length)
     if not small.any() or not len(points):
         return wanted
-    tree = cKDTree(front.points[small])
+    tree = scipy.spatial.cKDTree(front.points[small])
     near = tree.query(points, k=min(8, tree.n), distance_upper_bound=3.0 * edge_length)
     away, which = (np.asarray(one).reshape(len(points), -1) for one in near)
     reached = np.append(spacing[small], np.inf)[which] + _GROWTH * away
@@ -195,7 +195,7 @@ def _evened(lines: Sequence[Line], front: Frontier, sheet: Sheet) -> tuple[Line,
 
 def _crowded(front: Frontier) -> Mask:
     """Return the segments whose circle holds a vertex, except of a segment with a common end."""
-    tree = cKDTree(front.points)
+    tree = scipy.spatial.cKDTree(front.points)
     near = tree.query_ball_point(front.middles, 0.5 * front.lengths * (1.0 - 1e-6))
     counts = np.fromiter((len(one) for one in near), dtype=np.int64, count=len(near))
     crowded = np.zeros(len(near), dtype=bool)

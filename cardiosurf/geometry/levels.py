@@ -102,6 +102,7 @@ class ThetaLevel:
         inward, across = self.root - rho, self.arc - points[:, 0]
         scale = self.arc / np.maximum(inward**2 + across**2, 1e-300)
         along_rho = -across * scale / rho
-        return np.stack(
-            [inward * scale, along_rho * points[:, 1], along_rho * points[:, 2]], axis=1
-        )
+        slope = np.empty_like(points)
+        slope[:, 0] = inward * scale
+        slope[:, 1], slope[:, 2] = along_rho * points[:, 1], along_rho * points[:, 2]
+        return slope

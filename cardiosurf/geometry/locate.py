@@ -73,14 +73,15 @@ def onto_crossing(
         Sine of the angle between the two levels there.
     """
     moved = points.copy()
+    value, slope = _both(moved, pairs, levels, sheet)
+    left = np.arange(len(points))
     for _ in range(_ROUNDS):
-        value, slope = _both(moved, pairs, levels, sheet)
-        left = np.abs(value).max(axis=1) > _EXACT
-        if not left.any():
+        left = left[np.abs(value[left]).max(axis=1) > _EXACT]
+        if not len(left):
             break
         step = np.linalg.pinv(slope[left], rcond=1e-7) @ value[left][:, :, None]
         moved[left] = sheet.project(moved[left] - limited(step[:, :, 0], reach))
-    value, slope = _both(moved, pairs, levels, sheet)
+        value[left], slope[left] = _both(moved[left], pairs[left], levels, sheet)
     length = np.maximum(np.linalg.norm(slope, axis=2), 1e-300)
     cross = np.linalg.norm(np.cross(slope[:, 0], slope[:, 1]), axis=1)
     return moved, np.abs(value).max(axis=1), cross / (length[:, 0] * length[:, 1])
@@ -88,7 +89,7 @@ def onto_crossing(
 
 def limited(steps: Floats, reach: float) -> Floats:
     """Return the steps (n, 3), none longer than reach."""
-    length = np.linalg.norm(steps, axis=1)
+    length = np.sqrt(np.einsum("nk,nk->n", steps, steps))
     return np.asarray(steps * np.minimum(1.0, reach / np.maximum(length, 1e-300))[:, None])
 
 

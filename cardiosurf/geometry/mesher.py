@@ -3,16 +3,17 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.errors import NumericalError
+from cardiosurf.geometry.flips import updated
 from cardiosurf.geometry.frontier import Frontier, Line, first_lines, frontier, halved, sizes
 from cardiosurf.geometry.refinement import FLOOR, Bad, bad_triangles, remedy
 from cardiosurf.geometry.sheet import Sheet
 from cardiosurf.geometry.skeleton import Skeleton
 from cardiosurf.geometry.smoothing import improved, relaxed
-from cardiosurf.geometry.topology import are_edges, numbered_edges
+from cardiosurf.geometry.topology import are_edges, corners_in, edge_lengths, numbered_edges
 
 _CLEAR = 0.6
 _SHORTEST = 0.55
@@ -43,10 +44,21 @@ class Job:
 
 @dataclass(frozen=True)
 class Draft:
-    """A mesh in the making: its vertices on the skeleton's arcs, and the free ones (f, 3)."""
+    """A mesh in the making.
+
+    Attributes
+    ----------
+    lines : tuple of Line
+        Its vertices on the skeleton's arcs.
+    free : (f, 3) float
+        The other ones.
+    hull : (m, 3) int, or None
+        Delaunay triangles of all its vertices, where they are known.
+    """
 
     lines: tuple[Line, ...]
     free: Floats
+    hull: Ints | None = None
 
 
 @dataclass(frozen=True)
@@ -60,7 +72,9 @@ class View:
     points : (n, 3) float
         All vertices, those of the front first.
     triangles : (m, 3) int
-        Delaunay triangles, of all vertices or of those around the zone.
+        Delaunay triangles on the surface, of all vertices or of those around the zone.
+    hull : (h, 3) int
+        These and those past open edges.
     judged : (n,) bool
         Vertices in the zone: all their triangles are there, and right.
     lost : (s,) bool
@@ -70,6 +84,7 @@ class View:
     front: Frontier
     points: Floats
     triangles: Ints
+    hull: Ints
     judged: Mask
     lost: Mask
 
@@ -125,9 +140,14 @@ def _scattered(job: Job, lines: tuple[Line, ...]) -> Floats:
     front = frontier(job.bones.corners, lines)
     if not len(front.segments):
         return seeds
-    wanted = sizes(front, job.edge_length, seeds)
-    tree = cKDTree(np.concatenate([front.points, front.middles]))
-    return seeds[tree.query(seeds)[0] > _CLEAR * wanted]
+    tree = scipy.spatial.cKDTree(np.concatenate([front.points, front.middles]))
+    # no edge is wanted longer than edge_length: seeds farther away are clear
+    reach = _CLEAR * job.edge_length
+    away = np.asarray(tree.query(seeds, distance_upper_bound=reach * (1.0 + 1e-9))[0])
+    near = np.flatnonzero(np.isfinite(away))
+    keep = np.ones(len(seeds), dtype=bool)
+    keep[near] = away[near] > _CLEAR * sizes(front, job.edge_length, seeds[near])
+    return seeds[keep]
 
 
 def _smoothed(draft: Draft, job: Job) -> Draft:
@@ -136,11 +156,22 @@ def _smoothed(draft: Draft, job: Job) -> Draft:
         if view.lost.any():
             draft = _recovered(draft, view, job.sheet)
             continue
-        moved = relaxed(view.points, view.triangles, view.free, job.sheet)
-        draft = replace(draft, free=moved[len(view.front.points) :])
+        points = relaxed(view.points, view.triangles, view.free, job.sheet)
+        gone = np.zeros(len(points), dtype=bool)
         if number < _SMOOTH_ROUNDS - 1:
-            draft = _thinned(draft, view, job.edge_length)
+            gone = _too_near(replace(view, points=points), job.edge_length)
+        draft = _moved_on(draft, view, points, gone, job.sheet)
     return draft
+
+
+def _moved_on(draft: Draft, view: View, points: Floats, gone: Mask, sheet: Sheet) -> Draft:
+    """Return the draft with all vertices of a view in new places but those that are gone."""
+    moved = (points != view.points).any(axis=1)
+    hull = updated(sheet.flattened(points), view.hull, moved, gone)
+    if hull is not None:
+        hull = (np.cumsum(~gone) - 1)[hull]
+    fixed = len(view.front.points)
+    return Draft(draft.lines, points[fixed:][~gone[fixed:]], hull)
 
 
 def _seen(draft: Draft, job: Job, zone: Floats | None) -> View:
@@ -150,15 +181,20 @@ def _seen(draft: Draft, job: Job, zone: Floats | None) -> View:
     away = np.zeros(len(points))
     if zone is not None:
         reach = _AROUND * job.edge_length
-        found, _ = cKDTree(zone).query(points, distance_upper_bound=reach)
+        found, _ = scipy.spatial.cKDTree(zone).query(points, distance_upper_bound=reach)
         away = np.asarray(found) / job.edge_length
     near = np.flatnonzero(np.isfinite(away))
-    triangles, centres = job.sheet.triangulate(points[near])
-    triangles = near[triangles[job.sheet.part_of(centres) >= 0]]
-    triangles = triangles[(away[triangles] < _TRUSTED).all(axis=1)]
+    hull = draft.hull if zone is None else None
+    if hull is None:
+        hull = near[job.sheet.triangulate(points[near])]
+    # a triangle with a free vertex is past no open edge
+    doubtful = np.flatnonzero(corners_in(np.arange(len(points)) < len(front.points), hull) == 3)
+    past = job.sheet.part_of(job.sheet.centres(points, hull[doubtful])) < 0
+    triangles = np.delete(hull, doubtful[past], axis=0)
+    triangles = triangles[corners_in(away < _TRUSTED, triangles) == 3]
     judged = np.asarray(away < _JUDGED)
     lost = judged[front.segments].all(axis=1) & ~are_edges(front.segments, triangles)
-    return View(front, points, triangles, judged, lost)
+    return View(front, points, triangles, hull, judged, lost)
 
 
 def _recovered(draft: Draft, view: View, sheet: Sheet) -> Draft:
@@ -167,32 +203,33 @@ def _recovered(draft: Draft, view: View, sheet: Sheet) -> Draft:
     crowd = np.zeros(len(draft.free), dtype=bool)
     alone = lost.copy()
     if len(draft.free):
-        near = cKDTree(draft.free).query_ball_point(front.middles[lost], 0.5 * front.lengths[lost])
+        near = scipy.spatial.cKDTree(draft.free).query_ball_point(
+            front.middles[lost], 0.5 * front.lengths[lost]
+        )
         for number, found in zip(np.flatnonzero(lost), near, strict=True):
             crowd[found] = True
             alone[number] = not found
     return Draft(halved(draft.lines, front, alone, sheet), draft.free[~crowd])
 
 
-def _thinned(draft: Draft, view: View, edge_length: float) -> Draft:
-    """Remove free vertices that are too near another vertex."""
-    fixed = len(view.front.points)
-    points = np.concatenate([view.front.points, draft.free])
-    edges, _ = numbered_edges(view.triangles)
+def _too_near(view: View, edge_length: float) -> Mask:
+    """Return the free vertices that are too near another vertex, (n,)."""
+    fixed, points = len(view.front.points), view.points
+    # no edge is wanted longer than edge_length: a look at the short ones will do
+    row = np.flatnonzero(edge_lengths(points, view.triangles).min(axis=0) < _SHORTEST * edge_length)
+    edges, _ = numbered_edges(view.triangles[row])
     edges = edges[edges[:, 1] >= fixed]
     length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
     short = length < _SHORTEST * sizes(view.front, edge_length, points[edges].mean(axis=1))
-    gone: set[int] = set()
+    gone = np.zeros(len(points), dtype=bool)
     for one, other in edges[short][np.argsort(length[short], kind="stable")].tolist():
-        if one not in gone:
-            gone.add(other)
-    keep = np.ones(len(points), dtype=bool)
-    keep[list(gone)] = False
-    return replace(draft, free=draft.free[keep[fixed:]])
+        if not gone[one]:
+            gone[other] = True
+    return gone
 
 
 def _bad(view: View, edge_length: float, asked: float) -> Bad:
-    triangles = view.triangles[view.judged[view.triangles].all(axis=1)]
+    triangles = view.triangles[corners_in(view.judged, view.triangles) == 3]
     return bad_triangles(view.points, triangles, view.front, edge_length, asked)
 
 
@@ -206,7 +243,6 @@ def _refined(draft: Draft, view: View, job: Job, bad: Bad) -> tuple[Draft, bool]
 
 
 def _without_orphans(points: Floats, triangles: Ints) -> tuple[Floats, Ints]:
-    used = np.unique(triangles)
-    renumbered = np.full(len(points), -1)
-    renumbered[used] = np.arange(len(used))
-    return points[used], renumbered[triangles]
+    used = np.zeros(len(points), dtype=bool)
+    used[triangles] = True
+    return points[used], (np.cumsum(used) - 1)[triangles]

@@ -6,6 +6,7 @@ import numpy as np
 
 from cardiosurf.arrays import Floats
 from cardiosurf.geometry.surface import Surface
+from cardiosurf.geometry.topology import corners_in, edge_lengths
 
 
 @dataclass(frozen=True)
@@ -33,8 +34,12 @@ class Nearest:
 def nearest_point(surface: Surface, point: Floats) -> Nearest:
     """Return the point of the surface's triangles nearest to a point (3,)."""
     target = np.asarray(point, dtype=np.float64)
-    corners = surface.points[surface.triangles]
-    # only triangles whose circle about their centroid may reach in need a closer look
+    away = np.linalg.norm(surface.points - target, axis=1)
+    # a triangle as near as the nearest vertex has a vertex not a longest edge farther away
+    limit = away.min() + edge_lengths(surface.points, surface.triangles).max()
+    rows = np.flatnonzero(corners_in(away <= limit, surface.triangles))
+    corners = surface.points[surface.triangles[rows]]
+    # of these, only triangles whose circle about their centroid may reach in need a closer look
     centre = corners.mean(axis=1)
     reach = np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1)
     away = np.linalg.norm(centre - target, axis=1)
@@ -43,7 +48,7 @@ def nearest_point(surface: Surface, point: Floats) -> Nearest:
     places = np.einsum("ki,kid->kd", weights, corners[close])
     distance = np.linalg.norm(places - target, axis=1)
     best = int(np.argmin(distance))
-    return Nearest(places[best], float(distance[best]), int(close[best]), weights[best])
+    return Nearest(places[best], float(distance[best]), int(rows[close[best]]), weights[best])
 
 
 def _weights(corners: Floats, target: Floats) -> Floats:

@@ -117,7 +117,14 @@ class PlaneSheet:
         lattice = Window(self.x, self.y).lattice(spacing)
         return np.column_stack([lattice, np.zeros(len(lattice))])
 
-    def triangulate(self, points: Floats) -> tuple[Ints, Floats]:
-        """Return the Delaunay triangles in the plane and their centroids."""
-        triangles = planar_delaunay(points[:, :2])
-        return triangles, points[triangles].mean(axis=1)
+    def flattened(self, points: Floats) -> Floats:
+        """Return x and y."""
+        return points[:, :2].copy()
+
+    def triangulate(self, points: Floats) -> Ints:
+        """Return the Delaunay triangles in the plane."""
+        return planar_delaunay(points[:, :2])
+
+    def centres(self, points: Floats, triangles: Ints) -> Floats:
+        """Return the centroids."""
+        return np.asarray(points[triangles].mean(axis=1))

@@ -3,9 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+import scipy
 
 from cardiosurf.arrays import Ints
 from cardiosurf.geometry.surface import Surface
@@ -66,7 +64,9 @@ def quality(surface: Surface) -> Quality:
     corner = angles(points, triangles)
     used = np.zeros(count, dtype=bool)
     used[triangles] = True
-    close = cKDTree(points).query_pairs(1e-9 * float(np.ptp(points)), output_type="ndarray")
+    close = scipy.spatial.cKDTree(points).query_pairs(
+        1e-9 * float(np.ptp(points)), output_type="ndarray"
+    )
     border = open_edges(triangles)
     return Quality(
         vertices=count,
@@ -92,8 +92,10 @@ def _pieces(edges: Ints, vertices: Ints) -> int:
     place[vertices] = np.arange(len(vertices))
     ends = place[edges]
     size = len(vertices)
-    graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(size, size))
-    return int(connected_components(graph, directed=False)[0])
+    graph = scipy.sparse.coo_array(
+        (np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(size, size)
+    )
+    return int(scipy.sparse.csgraph.connected_components(graph, directed=False)[0])
 
 
 def _crossed(triangles: Ints, numbers: Ints) -> int:

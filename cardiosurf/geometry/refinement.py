@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.geometry.frontier import Frontier, sizes, wedges
 from cardiosurf.geometry.sheet import Sheet
-from cardiosurf.geometry.topology import angles, are_edges, circumcentres, edge_vectors
+from cardiosurf.geometry.topology import angles, are_edges, circumcentres, edge_lengths, sharpness
 
 FLOOR = 0.03
 _LONGEST = 1.7
@@ -39,23 +39,26 @@ def bad_triangles(
     smallest : float
         Smallest angle that is good enough, in degrees.
     """
-    corner = angles(points, triangles)
-    least = corner.min(axis=1)
-    sides = np.linalg.norm(edge_vectors(points, triangles), axis=2)
-    wanted = sizes(front, edge_length, points[triangles].mean(axis=1))
-    bad = (least < smallest) | (sides.max(axis=1) > _LONGEST * wanted)
-    bad &= sides.min(axis=1) > 0.5 * FLOOR * edge_length
+    sides = edge_lengths(points, triangles)
+    longest = sides.max(axis=0)
+    wanted = np.full(len(triangles), float(edge_length))
+    # no edge is wanted longer than edge_length, nor shorter than the shortest segment
+    doubtful = longest > _LONGEST * min(edge_length, float(front.lengths.min(initial=np.inf)))
+    wanted[doubtful] = sizes(front, edge_length, points[triangles[doubtful]].mean(axis=1))
+    bad = (sharpness(points, triangles) < smallest + 1e-6) | (longest > _LONGEST * wanted)
+    bad &= sides.min(axis=0) > 0.5 * FLOOR * edge_length
     rows = np.flatnonzero(bad)
+    corner = angles(points, triangles[rows])
+    least = corner.min(axis=1)
     if not len(rows) or not len(front.segments):
-        return Bad(triangles[rows], least[rows])
-    at = corner[rows].argmin(axis=1)
+        return Bad(triangles[rows], least)
+    at = corner.argmin(axis=1)
     tip, one, other = (triangles[rows, (at + turn) % 3] for turn in range(3))
     segments = front.segments[:, [0, 1, 1]]
     settled = are_edges(np.stack([tip, one], axis=1), segments)
     settled &= are_edges(np.stack([tip, other], axis=1), segments)
-    settled |= _across_wedge(np.stack([one, other], axis=1), least[rows], front)
-    rows = rows[~settled]
-    return Bad(triangles[rows], least[rows])
+    settled |= _across_wedge(np.stack([one, other], axis=1), least, front)
+    return Bad(triangles[rows[~settled]], least[~settled])
 
 
 def remedy(
@@ -72,7 +75,7 @@ def remedy(
     split = np.zeros(len(front.segments), dtype=bool)
     inside = sheet.part_of(centre) >= 0
     if len(front.segments):
-        tree = cKDTree(front.middles)
+        tree = scipy.spatial.cKDTree(front.middles)
         near = tree.query(centre, k=min(6, tree.n))
         away, which = (np.asarray(one).reshape(len(centre), -1) for one in near)
         within = away < 0.5 * front.lengths[which]
@@ -107,7 +110,7 @@ def _apart(points: Floats, radius: Floats) -> Floats:
     """Return the points without those nearer to an earlier one than their radius."""
     if not len(points):
         return points
-    near = cKDTree(points).query_ball_point(points, 0.9 * radius)
+    near = scipy.spatial.cKDTree(points).query_ball_point(points, 0.9 * radius)
     taken = np.zeros(len(points), dtype=bool)
     for number, others in enumerate(near):
         taken[number] = not taken[others].any()

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.spatial import Delaunay
+import scipy
 
 from cardiosurf.arrays import Floats, Ints
 from cardiosurf.geometry.levels import Level
@@ -84,8 +84,16 @@ class Sheet(Protocol):
         """Return points (n, 3) spread evenly over the surface and a little past open edges."""
         ...
 
-    def triangulate(self, points: Floats) -> tuple[Ints, Floats]:
-        """Return the Delaunay triangles (m, 3) of the points, and a surface point inside each."""
+    def flattened(self, points: Floats) -> Floats:
+        """Return where the points lie in the chart, (n, 2); a sphere's stay, (n, 3)."""
+        ...
+
+    def triangulate(self, points: Floats) -> Ints:
+        """Return the Delaunay triangles (m, 3) of the points, counter-clockwise or outward."""
+        ...
+
+    def centres(self, points: Floats, triangles: Ints) -> Floats:
+        """Return a surface point inside each triangle, (m, 3)."""
         ...
 
 
@@ -124,7 +132,7 @@ def planar_delaunay(flat: Floats) -> Ints:
     radius = 4.0 * np.ptp(flat, axis=0).max() + 1e-300
     angle = 0.1 + 2.0 * np.pi * np.arange(_GHOSTS) / _GHOSTS
     ghosts = middle + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    found = Delaunay(np.concatenate([flat, ghosts])).simplices.astype(np.int64)
+    found = scipy.spatial.Delaunay(np.concatenate([flat, ghosts])).simplices.astype(np.int64)
     found = found[(found < count).all(axis=1)]
     sides = flat[found[:, 1:]] - flat[found[:, :1]]
     turn = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]

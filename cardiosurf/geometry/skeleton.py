@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.geometry.arcs import Arc, Piece, made_even
@@ -99,7 +99,7 @@ def _clustered(found: Crossings, fixed: int, same: float) -> tuple[Floats, list[
     points, pairs = found.points[order], found.pairs[order]
     if not len(points):
         return points, []
-    near = cKDTree(points).query_ball_point(points, same)
+    near = scipy.spatial.cKDTree(points).query_ball_point(points, same)
     corner_of = np.full(len(points), -1)
     corners: list[int] = []
     sets: list[set[int]] = []

@@ -4,7 +4,7 @@ import numpy as np
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.geometry.sheet import Sheet
-from cardiosurf.geometry.topology import area_vectors, incidence, sharpness
+from cardiosurf.geometry.topology import area_vectors, areas, corners_in, sharpness
 
 _SWEEPS = 3
 _STIFF = 50.0
@@ -31,70 +31,96 @@ def relaxed(points: Floats, triangles: Ints, free: Mask, sheet: Sheet) -> Floats
     sheet : Sheet
         The exact surface.
     """
+    sharp = sharpness(points, triangles)
     for _ in range(_SWEEPS):
-        points = _swept(points, triangles, free, sheet, (_STIFF, _ENOUGH))
+        points = _swept(points, triangles, free, sheet, (_STIFF, _ENOUGH), sharp)
     return points
 
 
 def improved(points: Floats, triangles: Ints, free: Mask, sheet: Sheet, *, sweeps: int) -> Floats:
     """Return the points with free vertices moved only where the smallest angle around grows."""
+    sharp = sharpness(points, triangles)
     for _ in range(sweeps):
         before = points
-        points = _swept(points, triangles, free, sheet, (_POOR, 90.0))
+        points = _swept(points, triangles, free, sheet, (_POOR, 90.0), sharp)
         if np.array_equal(before, points):
             break
     return points
 
 
 def _swept(
-    points: Floats, triangles: Ints, free: Mask, sheet: Sheet, limits: tuple[float, float]
+    points: Floats,
+    triangles: Ints,
+    free: Mask,
+    sheet: Sheet,
+    limits: tuple[float, float],
+    sharp: Floats,
 ) -> Floats:
     """Return the points after one sweep over the free vertices with an angle below limits[0].
 
-    No angle below limits[1] gets smaller.
+    No angle below limits[1] gets smaller. ``sharp`` holds the smallest angle of each triangle,
+    before and after.
     """
-    least = np.full(len(points), 90.0)
-    _spread_least(least, sharpness(points, triangles), triangles)
-    chosen = free & (least < limits[0])
+    chosen = free & (_least(len(points), sharp, triangles) < limits[0])
     if not chosen.any():
         return points
-    near = np.flatnonzero(chosen[triangles].any(axis=1))
-    names, local = np.unique(triangles[near], return_inverse=True)
-    patch = points[names]
-    patch = _moved(patch, local.reshape(-1, 3), chosen[names], sheet, limits[1])
+    near = np.flatnonzero(corners_in(chosen, triangles))
+    used = np.zeros(len(points), dtype=bool)
+    used[triangles[near]] = True
+    names = np.flatnonzero(used)
+    local = (np.cumsum(used) - 1)[triangles[near]]
+    patch = _moved(points[names], local, chosen[names], sheet, limits[1])
+    sharp[near] = sharpness(patch, local)
     points = points.copy()
     points[names] = patch
     return points
 
 
 def _moved(points: Floats, triangles: Ints, free: Mask, sheet: Sheet, enough: float) -> Floats:
-    around = incidence(triangles, len(points))
-    area = np.linalg.norm(area_vectors(points, triangles), axis=1)
-    total = np.maximum(around @ area, 1e-300)
-    middle = (around @ (area[:, None] * points[triangles].mean(axis=1))) / total[:, None]
-    before = np.minimum(_worst(points, triangles, sheet), enough)
+    before = np.minimum(_least(len(points), _upright(points, triangles, sheet), triangles), enough)
+    middle = _middles(points, triangles)
     target = points.copy()
     target[free] = sheet.project(middle[free])
+    value = _upright(target, triangles, sheet)
     accepted = free.copy()
     for _ in range(_TRIES):
-        trial = np.where(accepted[:, None], target, points)
-        worse = accepted & (_worst(trial, triangles, sheet) < before)
+        worse = accepted & (_least(len(points), value, triangles) < before)
         if not worse.any():
-            return trial
+            return target
         # the move of a neighbour may be to blame, so all corners of a spoiled triangle stay
-        accepted[triangles[worse[triangles].any(axis=1)]] = False
+        back = np.zeros(len(points), dtype=bool)
+        back[triangles[corners_in(worse, triangles) > 0]] = True
+        back &= accepted
+        accepted &= ~back
+        target[back] = points[back]
+        again = np.flatnonzero(corners_in(back, triangles))
+        value[again] = _upright(target, triangles[again], sheet)
     return points
 
 
-def _worst(points: Floats, triangles: Ints, sheet: Sheet) -> Floats:
-    """Return the smallest angle around each vertex, negative where a triangle is turned over."""
-    upright = np.einsum(
-        "mk,mk->m", area_vectors(points, triangles), sheet.normal(points[triangles[:, 0]])
-    )
-    least = np.full(len(points), 90.0)
-    _spread_least(least, np.where(upright > 0, sharpness(points, triangles), -1.0), triangles)
-    return least
+def _middles(points: Floats, triangles: Ints) -> Floats:
+    """Return the mean of the centroids around each vertex, weighted by the areas, (n, 3)."""
+    names, area = triangles.ravel(), areas(points, triangles)
+    total = np.maximum(np.bincount(names, np.repeat(area, 3), len(points)), 1e-300)
+    a, b, c = triangles.T
+    # columns: sums over rows of three are slow
+    sums = [
+        np.bincount(names, np.repeat(area * ((x[a] + x[b] + x[c]) / 3.0), 3), len(points))
+        for x in np.ascontiguousarray(points.T)
+    ]
+    return np.stack(sums, axis=1) / total[:, None]
 
 
-def _spread_least(least: Floats, values: Floats, triangles: Ints) -> None:
+def _upright(points: Floats, triangles: Ints, sheet: Sheet) -> Floats:
+    """Return the smallest angle of each triangle, -1 where it is turned over, (m,)."""
+    normal, vector = sheet.normal(points), area_vectors(points, triangles)
+    first = triangles[:, 0]
+    upright = sum(normal[first, k] * vector[:, k] for k in range(3))
+    return np.where(upright > 0, sharpness(points, triangles), -1.0)
+
+
+def _least(count: int, values: Floats, triangles: Ints) -> Floats:
+    """Return the smallest value around each of count vertices, 90 if there is none."""
+    least = np.full(count, 90.0)
     np.minimum.at(least, triangles.ravel(), np.repeat(values, 3))
+    return least

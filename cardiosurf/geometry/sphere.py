@@ -4,11 +4,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.spatial import ConvexHull
+import scipy
 
 from cardiosurf.arrays import Floats, Ints
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.levels import FlatLevel, Level
+from cardiosurf.geometry.topology import area_vectors
 from cardiosurf.sections import Positive, Section
 
 _FEWEST = 4
@@ -107,7 +108,7 @@ class SphereSheet:
         faces = 4.0 * np.pi * self.radius**2 / (np.sqrt(3.0) / 4.0 * spacing**2)
         pieces = max(_FEWEST, round(float(np.sqrt(faces / 20.0))))
         corners = _icosahedron()
-        hull = ConvexHull(corners).simplices
+        hull = scipy.spatial.ConvexHull(corners).simplices
         i, j = np.meshgrid(np.arange(pieces + 1), np.arange(pieces + 1), indexing="ij")
         keep = i + j <= pieces
         first, second = i[keep] / pieces, j[keep] / pieces
@@ -119,14 +120,21 @@ class SphereSheet:
         )
         return points[np.sort(first_seen)]
 
-    def triangulate(self, points: Floats) -> tuple[Ints, Floats]:
+    def flattened(self, points: Floats) -> Floats:
+        """Return the points: their Delaunay triangles are those of their convex hull."""
+        return points
+
+    def triangulate(self, points: Floats) -> Ints:
         """Return the convex hull's triangles (the sphere's Delaunay triangles), outward."""
-        triangles = ConvexHull(points).simplices.astype(np.int64)
-        corners = points[triangles]
-        outward = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        inverted = np.einsum("md,md->m", outward, corners.sum(axis=1)) < 0
+        triangles = scipy.spatial.ConvexHull(points).simplices.astype(np.int64)
+        outward = area_vectors(points, triangles)
+        inverted = np.einsum("md,md->m", outward, points[triangles].sum(axis=1)) < 0
         triangles[inverted] = triangles[inverted][:, [0, 2, 1]]
-        return triangles, self.project(corners.mean(axis=1))
+        return triangles
+
+    def centres(self, points: Floats, triangles: Ints) -> Floats:
+        """Return the centroids moved along their radii."""
+        return self.project(points[triangles].mean(axis=1))
 
 
 def _icosahedron() -> Floats:

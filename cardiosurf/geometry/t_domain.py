@@ -188,6 +188,14 @@ class TDomainSheet:
         """Return a lattice on the plane and rings on the vein."""
         return self.tube.spread(self._window, spacing)
 
-    def triangulate(self, points: Floats) -> tuple[Ints, Floats]:
+    def flattened(self, points: Floats) -> Floats:
+        """Return where the points lie in the chart."""
+        return self.tube.chart(points)
+
+    def triangulate(self, points: Floats) -> Ints:
         """Return the Delaunay triangles in the chart."""
         return self.tube.triangulate(points)
+
+    def centres(self, points: Floats, triangles: Ints) -> Floats:
+        """Return a surface point inside each triangle."""
+        return self.tube.centres(points, triangles)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from cardiosurf.arrays import Floats, Ints
 from cardiosurf.geometry.levels import Level
@@ -65,7 +65,7 @@ def background(sheet: Sheet, levels: Sequence[Level]) -> Background:
     if not len(centres):
         return found
     rings = _rings(centres, sheet, spacing)
-    apart = cKDTree(points).query(rings)[0] > 1e-3 * spacing * 2.0**-14
+    apart = scipy.spatial.cKDTree(points).query(rings)[0] > 1e-3 * spacing * 2.0**-14
     return _triangulated(sheet, np.concatenate([points, rings[apart]]), spacing)
 
 
@@ -91,18 +91,18 @@ def crossings(
     chains: Sequence[Chain], levels: Sequence[Level], ground: Background, sheet: Sheet
 ) -> Crossings:
     """Return the points where two levels cross, found by Newton from all triangles near both."""
-    tree = cKDTree(ground.points[ground.triangles].mean(axis=1))
+    tree = scipy.spatial.cKDTree(ground.points[ground.triangles].mean(axis=1))
     cells = [np.zeros(len(ground.triangles), dtype=bool) for _ in levels]
     for chain in chains:
         cells[chain.level][tree.query(chain.points, k=min(10, tree.n))[1].ravel()] = True
     starts, pairs = [np.empty((0, 3))], [np.empty((0, 2), dtype=np.int64)]
-    centres = sheet.project(np.asarray(tree.data))
+    centres = np.asarray(tree.data)
     for first in range(len(levels)):
         for second in range(first + 1, len(levels)):
             both = np.flatnonzero(cells[first] & cells[second])
             starts.append(centres[both])
             pairs.append(np.tile([first, second], (len(both), 1)))
-    start, pair = np.concatenate(starts), np.concatenate(pairs)
+    start, pair = sheet.project(np.concatenate(starts)), np.concatenate(pairs)
     found, residual, sine = onto_crossing(start, pair, levels, sheet, ground.spacing)
     near_by = np.linalg.norm(found - start, axis=1) < 3.0 * ground.spacing
     good = near_by & (residual < 1e-8)
@@ -110,7 +110,7 @@ def crossings(
 
 
 def _triangulated(sheet: Sheet, points: Floats, spacing: float) -> Background:
-    triangles, _ = sheet.triangulate(points)
+    triangles = sheet.triangulate(points)
     # the chart also has triangles across the hole of a vein and around the outside
     longest = np.linalg.norm(edge_vectors(points, triangles), axis=2).max(axis=1)
     triangles = triangles[longest < 4.0 * spacing]
@@ -158,7 +158,7 @@ def _downhill(level: Level, start: Floats, side: Floats, sheet: Sheet, reach: fl
 
 def _rings(centres: Floats, sheet: Sheet, spacing: float) -> Floats:
     angle = 2.0 * np.pi * np.arange(16) / 16
-    apart = cKDTree(centres).query_pairs(1e-3 * spacing, output_type="ndarray")
+    apart = scipy.spatial.cKDTree(centres).query_pairs(1e-3 * spacing, output_type="ndarray")
     centres = np.delete(centres, apart[:, 1], axis=0)
     clouds = [centres]
     for normal, centre in zip(sheet.normal(centres), centres, strict=True):

@@ -48,22 +48,37 @@ class Tube:
         """Return the vein's points (n, 3) at the angles."""
         rho = self.root - self.arc * np.sin(theta)
         x = 2.0 * self.arc * np.sin(0.5 * theta) ** 2
-        return np.stack([x, rho * np.sin(phi), rho * np.cos(phi)], axis=1)
+        points = np.empty((len(theta), 3))
+        points[:, 0], points[:, 1], points[:, 2] = x, rho * np.sin(phi), rho * np.cos(phi)
+        return points
 
     def project(self, points: Floats) -> Floats:
         """Return the nearest points (n, 3) of the surface."""
         rho = np.hypot(points[:, 1], points[:, 2])
-        flat = points * np.array([0.0, 1.0, 1.0])
-        phi = np.arctan2(points[:, 1], points[:, 2])
-        return np.where((rho >= self.root)[:, None], flat, self.at(self.theta(points), phi))
+        moved: Floats = points * np.array([0.0, 1.0, 1.0])
+        vein = np.flatnonzero(rho < self.root)
+        inside = points[vein]
+        phi = np.arctan2(inside[:, 1], inside[:, 2])
+        moved[vein] = self.at(np.arctan2(self.root - rho[vein], self.arc - inside[:, 0]), phi)
+        return moved
 
     def normal(self, points: Floats) -> Floats:
         """Return the unit normals (n, 3): +x on the plane."""
-        theta = np.maximum(self.theta(points), 0.0)
-        theta[np.hypot(points[:, 1], points[:, 2]) >= self.root] = 0.0
-        phi = np.arctan2(points[:, 1], points[:, 2])
-        side = np.sin(theta)
-        return np.stack([np.cos(theta), side * np.sin(phi), side * np.cos(phi)], axis=1)
+        x, y, z = points.T
+        rho = np.hypot(y, z)
+        sine, cosine = self._meridian(x, rho)
+        flat = (rho >= self.root) | (sine <= 0.0)
+        normal = np.empty_like(points)
+        normal[:, 0] = np.where(flat, 1.0, cosine)
+        side = np.where(flat, 0.0, sine / np.maximum(rho, 1e-300))
+        normal[:, 1], normal[:, 2] = side * y, side * z
+        return normal
+
+    def _meridian(self, x: Floats, rho: Floats) -> tuple[Floats, Floats]:
+        """Return sine and cosine of theta."""
+        inward, across = self.root - rho, self.arc - x
+        away = np.maximum(np.hypot(inward, across), 1e-300)
+        return inward / away, across / away
 
     def on_vein(self, points: Floats) -> tuple[Floats, Floats]:
         """Return theta and phi, each (n,)."""
@@ -120,11 +135,13 @@ class Tube:
         start = np.arctan(-self.arc / self._slant)
         return np.asarray(2.0 * self.arc / self._slant * (np.arctan(slope) - start))
 
-    def triangulate(self, points: Floats) -> tuple[Ints, Floats]:
-        """Return the Delaunay triangles in the chart, and a surface point inside each."""
-        flat = self.chart(points)
-        triangles = planar_delaunay(flat)
-        return triangles, self.unchart(flat[triangles].mean(axis=1))
+    def triangulate(self, points: Floats) -> Ints:
+        """Return the Delaunay triangles in the chart."""
+        return planar_delaunay(self.chart(points))
+
+    def centres(self, points: Floats, triangles: Ints) -> Floats:
+        """Return the surface points of the triangles' centroids in the chart."""
+        return self.unchart(self.chart(points)[triangles].mean(axis=1))
 
     def spread(self, window: Window, spacing: float) -> Floats:
         """Return a lattice on the plane and rings on the vein, two of them past its tip."""

@@ -2,18 +2,20 @@
 
 import os
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from annotated_types import Ge, Le
 
 from cardiosurf.errors import InputError
-from cardiosurf.fem.operators import Operators
 from cardiosurf.kinetics import Kinetics
 from cardiosurf.sections import Positive, Section, Span
 from cardiosurf.stepping.schemes import SCHEMES, Scheme
 from cardiosurf.stepping.solvers import LOOSEST_TOLERANCE, SolverChoice, choose_solver
-from cardiosurf.stepping.step_rule import StepChoice, asked_step, auto_step
+from cardiosurf.stepping.step_rule import ACCURACY, StepChoice, asked_step, auto_step
+
+if TYPE_CHECKING:
+    from cardiosurf.fem.operators import Operators
 
 MOST_STEPS = 1e7
 NODES_A_THREAD = 20_000
@@ -90,8 +92,9 @@ class Controls:
 def decide(
     section: TimeSection,
     kinetics: Kinetics,
-    operators: Operators,
+    operators: "Operators",
     *,
+    accuracy: float = ACCURACY,
     execution: Execution | None = None,
 ) -> Controls:
     """Return the controls that the section asks for, each "auto" decided.
@@ -104,6 +107,8 @@ def decide(
         The reaction, whose rate sets the automatic step.
     operators : Operators
         The matrices, whose size and stiffness set the automatic solver.
+    accuracy : float
+        Relative LAT error that an automatic step stays in its share of.
     execution : Execution, optional
         How the machine is used.
 
@@ -116,7 +121,7 @@ def decide(
     """
     scheme = SCHEMES[section.scheme]
     if section.step == "auto":
-        step = auto_step(scheme, kinetics)
+        step = auto_step(scheme, kinetics, accuracy)
     else:
         # steps fall on the end, so none is longer than the whole
         step = asked_step(scheme, kinetics, min(section.step, section.end))

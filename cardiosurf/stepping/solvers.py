@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy.sparse.linalg import splu
+import scipy
 
 from cardiosurf.arrays import Floats, Matrix
 from cardiosurf.errors import InputError, NumericalError
@@ -144,7 +144,7 @@ def direct() -> SolverFactory:
 
     def factory(matrix: Matrix) -> Solve:
         try:
-            factors = splu(
+            factors = scipy.sparse.linalg.splu(
                 matrix.tocsc(),
                 permc_spec="MMD_AT_PLUS_A",
                 diag_pivot_thresh=0.0,

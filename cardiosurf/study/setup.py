@@ -3,13 +3,14 @@
 from dataclasses import dataclass
 
 from cardiosurf.arrays import Mask
+from cardiosurf.config.accuracy import EdgeChoice, edge_choice
 from cardiosurf.config.sections import Config, regions_of, target_key
 from cardiosurf.errors import InputError
 from cardiosurf.fem.operators import assemble
-from cardiosurf.geometry import build_surface
 from cardiosurf.geometry.surface import Surface
 from cardiosurf.stepping.controls import Controls, Execution, decide
 from cardiosurf.stepping.march import Problem
+from cardiosurf.study.surface_cache import surface_of
 from cardiosurf.tissue.stimuli import Pulse, build_pulses
 from cardiosurf.tissue.tensor import Tissue, build_tissue
 
@@ -22,6 +23,8 @@ class Setup:
     ----------
     surface : Surface
         The mesh, with lines along the edges of every region.
+    edge : EdgeChoice
+        The length of its edges, and why.
     tissue : Tissue
         Diffusivity and excitability of each triangle.
     pulses : tuple of Pulse
@@ -33,6 +36,7 @@ class Setup:
     """
 
     surface: Surface
+    edge: EdgeChoice
     tissue: Tissue
     pulses: tuple[Pulse, ...]
     problem: Problem
@@ -60,7 +64,8 @@ def set_up(config: Config, execution: Execution | None = None) -> Setup:
         If a region is empty, a stimulus or an axis does not fit the surface, a target has no
         excitable tissue, ...
     """
-    surface = build_surface(config.geometry, config.mesh.edge_length, regions_of(config))
+    edge = edge_choice(config)
+    surface = surface_of(config.geometry, edge.edge_length, regions_of(config))
     tissue = build_tissue(surface, config.tissue)
     pulses = build_pulses(surface, config.stimulus)
     check_targets(config, surface, tissue)
@@ -71,9 +76,15 @@ def set_up(config: Config, execution: Execution | None = None) -> Setup:
         tissue.excitable,
         mass=config.mesh.mass,
     )
-    controls = decide(config.time, config.kinetics, operators, execution=execution)
+    controls = decide(
+        config.time,
+        config.kinetics,
+        operators,
+        accuracy=config.accuracy,
+        execution=execution,
+    )
     problem = Problem(operators, config.kinetics, pulses)
-    return Setup(surface, tissue, pulses, problem, controls)
+    return Setup(surface, edge, tissue, pulses, problem, controls)
 
 
 def check_targets(config: Config, surface: Surface, tissue: Tissue) -> None:

@@ -5,18 +5,14 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Literal, TypeAlias
 
-import numpy as np
-import scipy
 from annotated_types import Interval
 
 from cardiosurf.arrays import Floats
 from cardiosurf.errors import InputError
-from cardiosurf.geometry.nearest import nearest_point
 from cardiosurf.geometry.regions import Region, Vector
 from cardiosurf.geometry.surface import Surface
 from cardiosurf.sections import Amplitude, Instant, Positive, Section, Span, Strength
-from cardiosurf.spelling import did_you_mean
-from cardiosurf.tissue.distance import distance_to_segments
+from cardiosurf.tissue.profiles import disc_profile, edge_profile, region_profile
 
 Beats: TypeAlias = Annotated[int, Interval(ge=1, le=10_000)]
 
@@ -142,7 +138,8 @@ class Pulse:
     duration : float
         In tu; 0 sets u at once, u <- max(u, profile).
     profile : (n,) float
-        The value of u to set, or with a duration the current added to u_t in 1/tu, a vertex.
+        The value of u to set, or with a duration the current added to u_t in 1/tu, a vertex: the
+        mean over its hat function.
     label : str
         The stimulus and the beat, for messages and the recording.
     """
@@ -247,60 +244,9 @@ def build_pulses(surface: Surface, stimuli: Sequence[Stimulus]) -> tuple[Pulse, 
 def _profile(surface: Surface, stimulus: Stimulus, key: str) -> Floats:
     """Return the profile of a stimulus, between 0 and 1, (n,)."""
     match stimulus:
-        case PointStimulus():
-            return _point_profile(surface, stimulus, key)
-        case EdgeStimulus():
-            return _edge_profile(surface, stimulus, key)
+        case PointStimulus(centre=centre, radius=radius):
+            return disc_profile(surface, centre, radius, key)
+        case EdgeStimulus(edge=edge, position=position, width=width):
+            return edge_profile(surface, edge, position, width, key)
         case RegionStimulus():
-            return _region_profile(surface, key)
-
-
-def _point_profile(surface: Surface, stimulus: PointStimulus, key: str) -> Floats:
-    near = nearest_point(surface, np.asarray(stimulus.centre))
-    if near.distance > stimulus.radius:
-        # rounded, and plus 0 to turn -0 into 0
-        closest = ", ".join(f"{coordinate:g}" for coordinate in near.point.round(3) + 0.0)
-        raise InputError(
-            f"{key}.centre",
-            f"{list(stimulus.centre)} is {near.distance:.4g} su away from the surface",
-            f"a point within radius ({stimulus.radius:g} su) of the surface",
-            f"the nearest surface point, [{closest}]",
-        )
-    r = np.linalg.norm(surface.points - near.point, axis=1)
-    if r.min() >= stimulus.radius:
-        raise InputError(
-            f"{key}.radius",
-            f"no vertex of the mesh lies within {stimulus.radius:g} su of the centre",
-            f"a radius above {r.min():.4g} on this mesh",
-            "a larger radius, or a smaller mesh.edge_length",
-        )
-    return np.where(r < stimulus.radius, np.exp(-0.5 * (r / stimulus.radius) ** 2), 0.0)
-
-
-def _edge_profile(surface: Surface, stimulus: EdgeStimulus, key: str) -> Floats:
-    if stimulus.edge not in surface.edges:
-        names = sorted(surface.edges)
-        raise InputError(
-            f"{key}.edge",
-            f"the surface has no open edge {stimulus.edge!r}",
-            ", ".join(names) if names else "none: this surface is closed",
-            did_you_mean(stimulus.edge, names) or ("" if names else "shape: point, or region"),
-        )
-    segments = surface.points[surface.edges[stimulus.edge]]
-    s = distance_to_segments(surface.points, segments[:, 0], segments[:, 1])
-    profile: Floats = scipy.special.expit((stimulus.position - s) / stimulus.width)
-    return profile
-
-
-def _region_profile(surface: Surface, key: str) -> Floats:
-    mask = surface.regions[key]
-    if not mask.any():
-        raise InputError(
-            f"{key}.region",
-            "the region is empty: it holds no triangle of the surface",
-            "a region that lies on the surface",
-            "cardiosurf mesh prints the extent of the surface",
-        )
-    profile = np.zeros(len(surface.points))
-    profile[surface.triangles[mask]] = 1.0
-    return profile
+            return region_profile(surface, key)

@@ -68,7 +68,9 @@ def build_tissue(surface: Surface, section: TissueSection) -> Tissue:
         along_axes[mask] = base * _along_axes(surface, patch, mask)[mask]
         excitable[mask] = patch.excitable
         patch_of[mask] = number
-    tensor = np.einsum("ta,tai,taj->tij", along_axes, surface.frame, surface.frame)
+    scaled = along_axes[:, :, None] * surface.frame
+    tensor = scaled[:, 0, :, None] * surface.frame[:, 0, None, :]
+    tensor += scaled[:, 1, :, None] * surface.frame[:, 1, None, :]
     return Tissue(tensor, excitable, tuple(patch.name for patch in section.patches), patch_of)
 
 

@@ -43,7 +43,8 @@ def changed(old: str, new: str) -> str:
 def test_defaults_are_those_of_the_brief():
     config = load_text(PLANE, "some/file name.yaml").config
     assert config.name == "file-name"
-    assert (config.mesh.edge_length, config.mesh.order, config.mesh.mass) == (2.5, 1, "blended")
+    assert (config.mesh.edge_length, config.mesh.order, config.mesh.mass) == ("auto", 1, "blended")
+    assert config.accuracy == 0.005
     assert config.kinetics.model == "rogers_mcculloch"
     assert config.record.frames_every == 10.0
     assert config.geometry.x == (-100.0, 100.0)

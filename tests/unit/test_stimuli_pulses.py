@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from cardiosurf.errors import InputError
+from cardiosurf.geometry import build_surface
+from cardiosurf.geometry.plane import Plane
 from cardiosurf.geometry.regions import Box, BoxLimits
 from cardiosurf.geometry.surface import Surface
 from cardiosurf.tissue.distance import distance_to_segments
@@ -50,50 +52,95 @@ def strip_of_triangles() -> Surface:
 SURFACE = strip_of_triangles()
 
 
-def test_edge_stimulus_is_the_authors_plane_wave():
+def hat_areas():
+    corners = SURFACE.points[SURFACE.triangles]
+    areas = 0.5 * np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    return np.bincount(SURFACE.triangles.ravel(), np.repeat(areas / 3.0, 3))
+
+
+def integral(pulse):
+    """The integral of a profile over the strip, which is 1 su wide."""
+    return float(pulse.profile @ hat_areas())
+
+
+def hat_mean_1d(function, x, half=0.5):
+    """The mean of a function of x over hats of half-width 0.5 about x, by fine quadrature."""
+    offset = np.linspace(-half, half, 20_001)
+    weight = 1.0 - np.abs(offset) / half
+    return np.array([(function(at + offset) * weight).sum() / weight.sum() for at in x])
+
+
+def column_means(pulse, places):
+    """The mean of the two vertices above one another: a hat of x alone on this mesh."""
+    areas, x = hat_areas(), SURFACE.points[:, 0]
+    return np.array(
+        [(pulse.profile * areas)[x == at].sum() / areas[x == at].sum() for at in places]
+    )
+
+
+def test_edge_stimulus_is_the_authors_plane_wave_in_the_mean():
     (pulse,) = build_pulses(SURFACE, [EdgeStimulus(edge="left")])
-    for x in (0.0, 3.5, 4.0, 4.5, 20.0):
-        vertex = np.flatnonzero(SURFACE.points[:, 0] == x)[0]
-        # exp(160) at the far end is still a double
-        assert pulse.profile[vertex] == pytest.approx(
-            1.0 / (1.0 + math.exp((x - 4.0) / 0.1)), rel=1e-12
-        )
+    places = np.array([0.5, 3.5, 4.0, 4.5, 10.0])
+    # exp(160) at the far end is still a double
+    expected = hat_mean_1d(lambda x: 1.0 / (1.0 + np.exp(np.minimum((x - 4.0) / 0.1, 99))), places)
+    # pieces of 0.13 su against a width of 0.1
+    assert column_means(pulse, places) == pytest.approx(expected, abs=2e-3)
+    # the integral over x of the profile is its position, but for exp(-40)
+    assert integral(pulse) == pytest.approx(4.0, abs=1e-3)
     assert (pulse.time, pulse.duration) == (0.0, 0.0)
 
 
 def test_edge_stimulus_has_its_own_position_width_and_amplitude():
     stimulus = EdgeStimulus(edge="right", position=2.0, width=0.5, amplitude=0.8)
     (pulse,) = build_pulses(SURFACE, [stimulus])
-    vertex = np.flatnonzero(SURFACE.points[:, 0] == 17.0)[0]
-    assert pulse.profile[vertex] == pytest.approx(0.8 / (1.0 + math.exp(2.0)), rel=1e-12)
+    # 0.8 times the integral of 1/(1 + exp((s - 2)/0.5)) from s = 0: 0.5 ln(1 + e^4)
+    assert integral(pulse) == pytest.approx(0.8 * 0.5 * math.log1p(math.exp(4.0)), abs=1e-3)
 
 
-def test_point_stimulus_is_the_authors_disc():
+def test_point_stimulus_is_the_authors_disc_in_the_mean():
     (pulse,) = build_pulses(SURFACE, [PointStimulus(centre=(5.0, 0.0, 3.0))])
-    r = np.hypot(SURFACE.points[:, 0] - 5.0, SURFACE.points[:, 1])
     # the nearest surface point of the centre is (5, 0, 0)
-    np.testing.assert_allclose(
-        pulse.profile, np.where(r < 10, np.exp(-(r**2) / 200), 0.0), atol=1e-12
-    )
+    near = SURFACE.points[:, 0] < 14.0
+    r = np.hypot(SURFACE.points[:, 0] - 5.0, SURFACE.points[:, 1])
+    # a mean over hats 0.5 to 1 su wide: curvature 0.01 times a second moment of at most 0.2
+    assert pulse.profile[near] == pytest.approx(np.exp(-(r[near] ** 2) / 200), abs=0.03)
+    assert (pulse.profile[SURFACE.points[:, 0] > 15.5] == 0.0).all()
+
+
+@pytest.mark.parametrize("edge", [0.7, 2.0, 4.0])
+def test_a_discs_integral_is_the_same_on_every_mesh(edge):
+    surface = build_surface(Plane(x=(-20.0, 20.0), y=(-20.0, 20.0)), edge, {})
+    (pulse,) = build_pulses(surface, [PointStimulus(centre=(0.3, -0.7, 0.0))])
+    # 2 pi times the integral of r exp(-r^2/200) from 0 to 10
+    exact = 200.0 * math.pi * (1.0 - math.exp(-0.5))
+    # pieces of at most 0.17 su along a circle of 63 su where 0.6 jumps, of random sign
+    assert pulse.profile @ surface.vertex_areas() == pytest.approx(exact, rel=1e-3)
 
 
 def test_point_stimulus_keeps_its_form_at_another_radius():
     (pulse,) = build_pulses(SURFACE, [PointStimulus(centre=(0.0, 0.0, 0.0), radius=4.0)])
-    at = {x: np.flatnonzero((SURFACE.points == [x, 0, 0]).all(axis=1))[0] for x in (2.0, 4.0)}
-    assert pulse.profile[at[2.0]] == pytest.approx(math.exp(-0.125), rel=1e-12)
-    assert pulse.profile[at[4.0]] == 0.0
+    (wider,) = build_pulses(SURFACE, [PointStimulus(centre=(0.0, 0.0, 0.0), radius=8.0)])
+    assert 0.0 < pulse.profile.max() <= 1.0
+    assert SURFACE.points[pulse.profile > 0, 0].max() == 4.0
+    assert SURFACE.points[wider.profile > 0, 0].max() == 8.0
 
 
-def test_region_stimulus_is_one_on_the_vertices_of_its_triangles():
+def test_region_stimulus_is_one_inside_and_a_share_on_its_edge():
     (pulse,) = build_pulses(SURFACE, [RegionStimulus(region=ANYWHERE, amplitude=0.9)])
-    assert set(np.unique(pulse.profile)) == {0.0, 0.9}
-    np.testing.assert_array_equal(pulse.profile > 0, SURFACE.points[:, 0] <= 3.0)
+    x = SURFACE.points[:, 0]
+    assert pulse.profile[x < 3.0] == pytest.approx(0.9, rel=1e-12)
+    assert (pulse.profile[x > 3.0] == 0.0).all()
+    # of the triangles at a vertex of the edge a third or two thirds lie inside
+    assert sorted(pulse.profile[x == 3.0]) == pytest.approx([0.3, 0.6], rel=1e-12)
 
 
 def test_a_stimulus_with_a_duration_is_a_current():
     stimulus = RegionStimulus(region=ANYWHERE, at=5.0, duration=2.0, strength=0.3)
     (pulse,) = build_pulses(SURFACE, [stimulus])
-    assert (pulse.time, pulse.duration, pulse.profile.max()) == (5.0, 2.0, 0.3)
+    assert (pulse.time, pulse.duration) == (5.0, 2.0)
+    assert pulse.profile.max() == pytest.approx(0.3, rel=1e-12)
 
 
 def test_trains_and_s1s2_beat_when_they_should():
