@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from cardiosurf.stepping.compiled.keep import inlined
+from cardiosurf.stepping.compiled.keep import apart
 from cardiosurf.stepping.compiled.machine import atomic_add, pause
 from cardiosurf.stepping.compiled.passes import (
     ERROR,
@@ -27,7 +27,7 @@ ITERATION_LIMIT = 1000
 SPINS = 2000
 
 
-@inlined
+@apart
 def meet(report: Any, threads: int) -> None:
     """Wait until all threads are here."""
     if threads > 1:
@@ -43,7 +43,7 @@ def meet(report: Any, threads: int) -> None:
                     pause()
 
 
-@inlined
+@apart
 def total(sums: Any, column: int) -> float:
     """Return the sum over the blocks, in their order."""
     found = 0.0
@@ -52,7 +52,7 @@ def total(sums: Any, column: int) -> float:
     return found
 
 
-@inlined
+@apart
 def solve(rows: Any, work: Any, u: Any, shares: Any, error: float, goal: float) -> Any:
     """Iterate conjugate gradients from the residual's square ``error`` down to the goal.
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from cardiosurf.stepping.compiled.keep import inlined
+from cardiosurf.stepping.compiled.keep import apart
 from cardiosurf.stepping.compiled.laws import rates
 from cardiosurf.stepping.compiled.machine import (
     GROUP,
@@ -28,14 +28,14 @@ U0, U1, U2, U3, NEW_U, V0, V1, NEW_V = range(8)
 """Places in the slots: the four newest potentials, the new one, two recoveries, the new one."""
 P, R, Q, FIRST_STATE = range(4)
 """Rows of ``work.fields``: direction, residual, image of the direction; then the states."""
-SIZE, ERROR, PQ, RQ, QQ, UNSOUND, BROKEN, WARM, CROSSED = range(9)
-"""Columns of ``work.sums``."""
+SIZE, ERROR, PQ, RQ, QQ, UNSOUND, BROKEN, WARM, CROSSED = np.arange(9)
+"""Columns of ``work.sums``; of a type of their own, or ``total`` is compiled for each of them."""
 
 ONE, FOUR, SIX = np.uint64(1), np.uint64(GROUP), np.uint64(6)
 SIX_FOURS = SIX * FOUR
 
 
-@inlined
+@apart
 def prepare(streams: Any, active: Any, rule: Any, guess: Any, sums: Any, share: Any) -> None:
     """Write what is known, what is guessed, and the new recovery.
 
@@ -66,7 +66,7 @@ def prepare(streams: Any, active: Any, rule: Any, guess: Any, sums: Any, share: 
         sums[block, UNSOUND] = broken
 
 
-@inlined
+@apart
 def residual(p: Any, vectors: Any, diagonal: Any, rows: Any, sums: Any, share: Any) -> None:
     """Write the residual of the guess, scaled by D^-1/2: the first direction."""
     start, longer, columns, pair = rows
@@ -90,7 +90,7 @@ def residual(p: Any, vectors: Any, diagonal: Any, rows: Any, sums: Any, share: A
         sums[block, ERROR] = error
 
 
-@inlined
+@apart
 def multiply(p: Any, r: Any, q: Any, rows: Any, sums: Any, share: Any) -> None:
     """Write q = A p, and the products p q, r q and q q."""
     start, longer, columns, system = rows
@@ -116,7 +116,7 @@ def multiply(p: Any, r: Any, q: Any, rows: Any, sums: Any, share: Any) -> None:
         sums[block, PQ], sums[block, RQ], sums[block, QQ] = pq, rq, qq
 
 
-@inlined
+@apart
 def update(streams: Any, along: float, turn: float, begins: bool, sums: Any, share: Any) -> None:
     """Go along p, and turn it: u += D^-1/2 along p, r -= along q, p = r + turn p.
 
@@ -136,7 +136,7 @@ def update(streams: Any, along: float, turn: float, begins: bool, sums: Any, sha
         sums[block, ERROR] = error
 
 
-@inlined
+@apart
 def finish(p: Any, new: Any, old: Any, inverse: Any, along: float, more: Any) -> None:
     """Write the new potential, u + D^-1/2 along p, and count what matters of it."""
     sums, share = more

@@ -16,7 +16,7 @@ from cardiosurf.stepping.compiled.gradients import (
     solve,
     total,
 )
-from cardiosurf.stepping.compiled.keep import compiled, inlined
+from cardiosurf.stepping.compiled.keep import apart, compiled, inlined
 from cardiosurf.stepping.compiled.laws import rates
 from cardiosurf.stepping.compiled.passes import (
     BROKEN,
@@ -65,7 +65,7 @@ class Now(NamedTuple):
     guess: Floats
 
 
-@inlined
+@apart
 def add_current(rows: Any, rule: Any, work: Any, new: Any, share: Any) -> None:
     """Add a stimulus's current to what is known, and to its size."""
     vectors, nodal, current = work.vectors, rows.nodal, work.current
@@ -82,7 +82,7 @@ def add_current(rows: Any, rule: Any, work: Any, new: Any, share: Any) -> None:
         work.sums[block, SIZE] += more
 
 
-@inlined
+@apart
 def spare_scar(rows: Any, rule: Any, work: Any, scar: Any, now: Any) -> float:
     """Take the reaction's share on passive triangles out of the residual; return what r r gains.
 
@@ -104,7 +104,7 @@ def spare_scar(rows: Any, rule: Any, work: Any, scar: Any, now: Any) -> float:
     return gain
 
 
-@inlined
+@apart
 def highest(potential: Any, nodes: Any) -> Any:
     """Return the largest of the nodes' potentials."""
     found = potential[0]
@@ -113,7 +113,7 @@ def highest(potential: Any, nodes: Any) -> Any:
     return found
 
 
-@inlined
+@apart
 def note_crossings(rows: Any, work: Any, now: Any, begun: float, ended: float) -> None:
     """Write row, time and direction of each crossing of 0.5 in this step."""
     fields, new, old = work.fields, now.slots[NEW_U], now.slots[U0]
@@ -157,7 +157,7 @@ def turn(now: Any) -> None:
             guess[0], guess[1] = 2.0, -1.0
 
 
-@inlined
+@apart
 def known_and_guess(rows: Any, rule: Any, work: Any, now: Any, share: Any) -> None:
     """Write what is known, what is guessed, and the new recovery."""
     f, s, nodal = work.fields, now.slots, rows.nodal
@@ -215,7 +215,7 @@ def copy(one: Any, other: Any) -> None:
         other.guess[k] = one.guess[k]
 
 
-@inlined
+@apart
 def judge(rows: Any, rule: Any, work: Any, now: Any, span: Any) -> Any:
     """Look at a new state: return a reason to end the stride, and the crossings with this step's.
 
@@ -249,7 +249,9 @@ def stride(rows: Any, rule: Any, work: Any, scar: Any, times: Any, thread: int) 
     share = (first, blocks * (thread + 1) // threads, rows.extents)
     now = Now(np.empty(8, np.int64), np.empty(4))
     copy(work, now)
-    reason, done, noted, iterations, most = DONE, 0, 0.0, 0, 0
+    # of one type from the start: else what they are handed to is compiled twice
+    reason, done, noted = DONE, np.int64(0), 0.0
+    iterations, most = np.int64(0), np.int64(0)
     while done < len(times) - 1 and reason == DONE:
         needed = step(rows, rule, work, scar, now, share)
         if needed < 0:
