@@ -44,6 +44,9 @@ $(PEERS)/.installed: benchmarks/peers/requirements.txt
 	$(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check --requirement $<
 	touch $@
 
+roofline: $(STAMP)  ## the march against the memory's bandwidth, threads and memory
+	$(BIN)/python benchmarks/roofline.py
+
 check: $(STAMP)  ## ruff, mypy --strict, import-linter
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
