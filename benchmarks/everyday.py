@@ -1,46 +1,128 @@
-"""Time the everyday things against a yardstick of the same run, and write benchmarks/README.md.
+"""Time the everyday things against a yardstick of the same run: commands, a run's stages, solves.
 
-Whole processes on one core, the median of several runs; ratios within one run are what counts,
-seconds depend on the machine.
+Whole processes on one core, medians of several runs; ratios within one run are what counts, seconds
+depend on the machine. Writes benchmarks/results/everyday.json.
 """
 
+import json
 import os
-import platform
 import statistics
 import subprocess
 import sys
 import tempfile
-from datetime import UTC, datetime
-from importlib.metadata import version
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from results import write
 from scipy.sparse.linalg import LinearOperator, cg
 
+from cardiosurf.analysis.findings import judge_recording
 from cardiosurf.config import load
+from cardiosurf.recording.hdf5 import read_recording, write_recording
+from cardiosurf.recording.observers import Activation
+from cardiosurf.recording.xdmf import write_xdmf
+from cardiosurf.stepping.march import march
 from cardiosurf.stepping.solvers import conjugate_gradients
-from cardiosurf.study.setup import set_up
+from cardiosurf.study.setup import Setup, set_up
 
-HERE = Path(__file__).parent
-CONFIG = HERE.parent / "configs" / "t_domain.yaml"
-RUNS = 5
+CONFIGS = Path(__file__).resolve().parent.parent / "configs"
+CONFIG = CONFIGS / "t_domain.yaml"
+RUNS = 7
+ENVIRONMENT = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 
-def process(*words: str) -> float:
-    """Return the median wall time of a process, in s; it makes its mesh anew."""
-    environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    environment |= {"CARDIOSURF_CACHE": "off"}
+def median(call: Callable[[], object], runs: int = RUNS) -> float:
+    """Return the median wall time of a call, in s."""
     took = []
-    for _ in range(RUNS):
+    for _ in range(runs):
         begun = perf_counter()
-        subprocess.run([sys.executable, *words], check=True, capture_output=True, env=environment)
+        call()
         took.append(perf_counter() - begun)
     return statistics.median(took)
 
 
+def process(*words: str, **environment: str) -> float:
+    """Return the median wall time of a Python process, in s."""
+    given = ENVIRONMENT | environment
+    return median(
+        lambda: subprocess.run([sys.executable, *words], check=True, capture_output=True, env=given)
+    )
+
+
+def commands() -> list[tuple[str, float]]:
+    """Return what whole commands take, the yardsticks first."""
+    program = ("-m", "cardiosurf")
+    with tempfile.TemporaryDirectory() as folder:
+        run = (*program, "run", str(CONFIG), "--overwrite", "-o", folder)
+        compiled = str(Path(folder) / "compiled")
+        rows = [
+            ("`python -c pass`", process("-c", "pass")),
+            ("`import numpy`", process("-c", "import numpy")),
+            (
+                "`import numpy, scipy, h5py, pydantic, skfem, numba`",
+                process("-c", "import numpy, scipy.sparse.linalg, h5py, pydantic, skfem, numba"),
+            ),
+            ("`cardiosurf --help`", process(*program, "--help")),
+            (
+                "`cardiosurf validate configs/t_domain.yaml`",
+                process(*program, "validate", str(CONFIG)),
+            ),
+            ("`cardiosurf schema`", process(*program, "schema")),
+            ("`cardiosurf run configs/t_domain.yaml`, warm", process(*run)),
+            ("the same, mesh made anew", process(*run, CARDIOSURF_CACHE="off")),
+            ("the same, `--no-jit`", process(*run, "--no-jit")),
+            ("`cardiosurf analyze` of it", process(*program, "analyze", folder)),
+        ]
+        begun = perf_counter()
+        given = ENVIRONMENT | {"NUMBA_CACHE_DIR": compiled, "CARDIOSURF_CACHE": "off"}
+        subprocess.run([sys.executable, *run], check=True, capture_output=True, env=given)
+        rows.append(("the first run of all: compiled, mesh made anew", perf_counter() - begun))
+    return rows
+
+
+def stages(config: Path, *options: str) -> dict[str, float]:
+    """Return what the stages of a run take in a process that has all modules and machine code."""
+    loaded = load(config, options)
+    os.environ["CARDIOSURF_CACHE"] = "off"
+    cold = median(lambda: set_up(loaded.config), 3)
+    os.environ.pop("CARDIOSURF_CACHE")
+    setup: Setup = set_up(loaded.config)
+    warm = median(lambda: set_up(loaded.config), 3)
+    with tempfile.TemporaryDirectory() as folder:
+        run = [sys.executable, "-m", "cardiosurf", "run", str(config), "--json", "-o", folder]
+        for option in options:
+            run += ["--set", option]
+        begun = perf_counter()
+        done = subprocess.run(run, check=True, capture_output=True, env=ENVIRONMENT)
+        whole = perf_counter() - begun
+        json.loads(done.stdout)
+        recording = read_recording(Path(folder) / "recording.h5")
+        marching = recording.meta["march_seconds"]
+        written = Path(folder) / "again.h5"
+
+        def record() -> None:
+            write_recording(written, replace(recording, name="again"))
+            write_xdmf(written)
+
+        recorded = median(record, 3)
+    return {
+        "vertices": len(setup.surface.points),
+        "steps": recording.meta["steps"],
+        "set_up_cold": cold,
+        "set_up_warm": warm,
+        "march": median(lambda: march(setup.problem, setup.controls, [Activation()]), 3),
+        "march_in_run": marching,
+        "judge": median(lambda: judge_recording(recording), 3),
+        "record": recorded,
+        "whole": whole,
+    }
+
+
 def solves() -> tuple[float, float]:
-    """Return the median times of one diffusion solve with scipy's CG and with ours, in s."""
+    """Return the median times of one diffusion solve with scipy's CG and with our NumPy one."""
     setup = set_up(load(CONFIG).config)
     mass, stiffness = setup.problem.operators.mass, setup.problem.operators.stiffness
     matrix = (mass + stiffness).tocsr()
@@ -51,57 +133,31 @@ def solves() -> tuple[float, float]:
     # a march starts from an extrapolation of the last states, good to about 1e-5
     exact, _ = cg(matrix, rhs, rtol=1e-12, M=jacobi)
     guess = exact * (1.0 + 1e-5 * np.random.default_rng(1).standard_normal(len(exact)))
-
-    def median(solve) -> float:
-        took = []
-        for _ in range(20 * RUNS):
-            begun = perf_counter()
-            solve()
-            took.append(perf_counter() - begun)
-        return statistics.median(took)
-
     return (
-        median(lambda: cg(matrix, rhs, x0=guess, rtol=1e-7, M=jacobi)),
-        median(lambda: own(rhs, guess)),
+        median(lambda: cg(matrix, rhs, x0=guess, rtol=1e-7, M=jacobi), 100),
+        median(lambda: own(rhs, guess, rhs), 100),
     )
 
 
 def main() -> None:
-    """Measure and write the page."""
-    bare = process("-c", "pass")
-    scientific = process("-c", "import numpy, scipy.sparse.linalg, h5py, pydantic, skfem")
-    helped = process("-m", "cardiosurf", "--help")
-    with tempfile.TemporaryDirectory() as folder:
-        run = process("-m", "cardiosurf", "run", str(CONFIG), "-o", folder, "--overwrite")
-    scipys, ours = solves()
-    rows = [
-        ("`python -c pass`", bare, 1.0),
-        ("`import numpy, scipy, h5py, pydantic, skfem`", scientific, scientific / bare),
-        ("`cardiosurf --help`", helped, helped / bare),
-        ("`cardiosurf run configs/t_domain.yaml`, YAML to verdict", run, run / scientific),
-        ("one diffusion solve, `scipy.sparse.linalg.cg`", scipys, 1.0),
-        ("one diffusion solve, ours", ours, ours / scipys),
-    ]
-    against = ["", "1st", "1st", "2nd", "", "5th"]
-    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "scikit-fem"))
-    packages = f"Python {platform.python_version()}, {packages}"
-    lines = [
-        "# Benchmarks",
-        "",
-        "Written by `make bench`; whole processes on one core, medians. Ratios within one run are",
-        "what counts, seconds depend on the machine.",
-        "",
-        f"{datetime.now(UTC):%Y-%m-%d}, {platform.machine()}, {packages}",
-        "",
-        "| what | seconds | ratio | to row |",
-        "|---|---|---|---|",
-    ]
-    lines += [
-        f"| {what} | {seconds:.3g} | {ratio:.2f} | {row} |"
-        for (what, seconds, ratio), row in zip(rows, against, strict=True)
-    ]
-    (HERE / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    print("\n".join(lines))
+    """Measure and write."""
+    rows = commands()
+    long = ("time.stop_at_rest=false", "time.end=20000")
+    content = {
+        "commands": rows,
+        "stages": {
+            "configs/t_domain.yaml": stages(CONFIG),
+            "configs/t_domain_literal.yaml": stages(CONFIGS / "t_domain_literal.yaml"),
+            "configs/plane_block.yaml": stages(CONFIGS / "plane_block.yaml"),
+            "configs/t_domain.yaml, 20,000 tu": stages(CONFIG, *long),
+        },
+        "solves": dict(zip(("scipy", "ours"), solves(), strict=True)),
+    }
+    write("everyday", content)
+    for what, seconds in rows:
+        print(f"{seconds:8.3f} s  {what}")
+    for what, found in content["stages"].items():
+        print(what, {key: round(value, 3) for key, value in found.items()})
 
 
 if __name__ == "__main__":

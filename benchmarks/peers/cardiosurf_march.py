@@ -25,6 +25,8 @@ def main() -> None:
     surface = setup.surface
     start = initial_u(problem.problem, surface.points, surface.triangles)
     pulses = (replace(setup.pulses[0], profile=start),)
+    # numba and the machine code are loaded, as the peers' are before their loops
+    march(setup.problem, replace(setup.controls, end=5.0 * given.dt), [Activation()])
     activation = Activation()
     watch.start()
     march(replace(setup.problem, pulses=pulses), setup.controls, [activation], stop=never)

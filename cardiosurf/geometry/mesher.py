@@ -17,6 +17,7 @@ from cardiosurf.geometry.topology import are_edges, corners_in, edge_lengths, nu
 
 _CLEAR = 0.6
 _SHORTEST = 0.55
+_LEAST = 1e-5
 _SMOOTH_ROUNDS = 2
 _ROUNDS = 80
 _SWEEPS = 4
@@ -113,7 +114,7 @@ def mesh(sheet: Sheet, bones: Skeleton, edge_length: float) -> tuple[Floats, Int
     for number in range(_ROUNDS):
         view = _seen(draft, job, zone)
         if view.lost.any():
-            draft = _recovered(draft, view, sheet)
+            draft = _recovered(draft, view, job)
             continue
         points = improved(view.points, view.triangles, view.free, sheet, sweeps=_SWEEPS)
         view = replace(view, points=points)
@@ -154,7 +155,7 @@ def _smoothed(draft: Draft, job: Job) -> Draft:
     for number in range(_SMOOTH_ROUNDS):
         view = _seen(draft, job, None)
         if view.lost.any():
-            draft = _recovered(draft, view, job.sheet)
+            draft = _recovered(draft, view, job)
             continue
         points = relaxed(view.points, view.triangles, view.free, job.sheet)
         gone = np.zeros(len(points), dtype=bool)
@@ -197,7 +198,7 @@ def _seen(draft: Draft, job: Job, zone: Floats | None) -> View:
     return View(front, points, triangles, hull, judged, lost)
 
 
-def _recovered(draft: Draft, view: View, sheet: Sheet) -> Draft:
+def _recovered(draft: Draft, view: View, job: Job) -> Draft:
     """Remove the free vertices in the circles of lost segments; halve those that have none."""
     front, lost = view.front, view.lost
     crowd = np.zeros(len(draft.free), dtype=bool)
@@ -209,7 +210,13 @@ def _recovered(draft: Draft, view: View, sheet: Sheet) -> Draft:
         for number, found in zip(np.flatnonzero(lost), near, strict=True):
             crowd[found] = True
             alone[number] = not found
-    return Draft(halved(draft.lines, front, alone, sheet), draft.free[~crowd])
+    if (front.lengths[alone] < _LEAST * job.edge_length).any():
+        # halving would go on, and double the vertices each time
+        raise NumericalError(
+            "the mesh cannot follow region edges that graze each other or the surface's own",
+            "a region moved by a little, or a smaller edge_length",
+        )
+    return Draft(halved(draft.lines, front, alone, job.sheet), draft.free[~crowd])
 
 
 def _too_near(view: View, edge_length: float) -> Mask:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from geometry_integrals import arc_above, meshed, square_area, vein_area
 
+from cardiosurf.errors import NumericalError
 from cardiosurf.geometry import Plane, Sphere, Surface, TDomain, Vein, build_surface
 from cardiosurf.geometry.quality import quality
 from cardiosurf.geometry.regions import (
@@ -245,3 +246,11 @@ def test_a_region_given_twice_changes_nothing() -> None:
     twice = build_surface(Plane(), 10.0, {"a": box(x=(-20, 30)), "b": box(x=(-20, 30))})
     np.testing.assert_array_equal(once.points, twice.points)
     np.testing.assert_array_equal(twice.regions["a"], twice.regions["b"])
+
+
+def test_an_edge_that_grazes_the_root_circle_ends_with_an_error():
+    # the ball's edge meets the circle at a hundredth of a radian
+    grazing = Ball(BallLimits((22.357019409086966, 0.6026926481065331, 0.0), 29.606345920952062))
+    shape = Vein(root_radius=20.0, tip_radius=10.0, half_width=30.0)
+    with pytest.raises(NumericalError, match="graze"):
+        build_surface(shape, 9.011287957509994, {"spot": grazing})
