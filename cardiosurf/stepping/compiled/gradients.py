@@ -44,7 +44,7 @@ def meet(report: Any, threads: int) -> None:
 
 
 @apart
-def total(sums: Any, column: int) -> float:
+def total(sums: Any, column: Any) -> float:
     """Return the sum over the blocks, in their order."""
     found = 0.0
     for k in range(len(sums)):

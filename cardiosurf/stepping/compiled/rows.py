@@ -16,7 +16,7 @@ LEAST = 6
 BLOCK = 1024
 """Rows of a block: what a thread does at a time, and what sums are made of, in a fixed order."""
 
-CHUNK = 16 * BLOCK
+CHUNK = 4 * BLOCK
 """Rows that are laid out at a time: little is needed beside the matrices themselves."""
 
 
