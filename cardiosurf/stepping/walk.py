@@ -68,6 +68,7 @@ def walk(
             past = stepper.begin(switch_on(problem.pulses, segment, before))
             if past.states[0] is not before:
                 yield Stride(_moment(place, past, before, segment.start, to_come), None)
+            del before
         source = current(problem.pulses, segment)
         while place.done < segment.count:
             if compiles and stepper.is_deep(past):
@@ -82,12 +83,22 @@ def walk(
                 yield from compiled_steps(engine, stepper, stretch, wishes)
                 place, past = place.on(segment.count - place.done), Past(engine.states(), ())
             else:
-                before, place = past.states[0], place.on(1)
-                new = _advance(stepper, past, place, source)
-                past = stepper.extend(past, new.state)
-                cost = Cost(segment.step, 1, new.iterations, new.iterations, new.seconds)
-                earlier = segment.time(place.done - 1)
-                yield Stride(_moment(place, past, before, earlier, to_come), cost)
+                place = place.on(1)
+                past, stride = _single(stepper, past, place, source, to_come)
+                yield stride
+                # memory: nothing holds on to states that are not needed any more
+                del stride
+
+
+def _single(
+    stepper: Stepper, past: Past, place: Place, source: Floats | None, to_come: bool
+) -> tuple[Past, Stride]:
+    """Do the step to a place in NumPy; return the new past, and what is to be told."""
+    new = _advance(stepper, past, place, source)
+    longer = stepper.extend(past, new.state)
+    cost = Cost(place.segment.step, 1, new.iterations, new.iterations, new.seconds)
+    earlier = place.segment.time(place.done - 1)
+    return longer, Stride(_moment(place, longer, past.states[0], earlier, to_come), cost)
 
 
 def is_compiled(problem: Problem, controls: Controls) -> bool:
