@@ -5,16 +5,12 @@ from typing import Any
 import numpy as np
 
 from cardiosurf.stepping.compiled.keep import apart
-from cardiosurf.stepping.compiled.machine import atomic_add, pause
+from cardiosurf.stepping.compiled.machine import atomic_add, atomic_load, breathe, give_way
 from cardiosurf.stepping.compiled.passes import (
     ERROR,
-    INVERSE,
     PQ,
     QQ,
     RQ,
-    P,
-    Q,
-    R,
     multiply,
     update,
 )
@@ -24,23 +20,26 @@ GAIN, LEFT, GOAL = range(3)
 """Places in ``work.report`` and ``work.reals``."""
 
 ITERATION_LIMIT = 1000
-SPINS = 2000
+SPINS = 100
+"""How often to look before the system may run other threads: some 2 us."""
 
 
 @apart
 def meet(report: Any, threads: int) -> None:
     """Wait until all threads are here."""
     if threads > 1:
-        met = atomic_add(report, MET, 0)
+        met = atomic_load(report, MET)
         if atomic_add(report, ARRIVED, 1) == threads - 1:
             atomic_add(report, ARRIVED, -threads)
             atomic_add(report, MET, 1)
         else:
             spins = 0
-            while atomic_add(report, MET, 0) == met:
+            while atomic_load(report, MET) == met:
                 spins += 1
                 if spins > SPINS:
-                    pause()
+                    give_way()
+                else:
+                    breathe()
 
 
 @apart
@@ -53,35 +52,35 @@ def total(sums: Any, column: Any) -> float:
 
 
 @apart
-def solve(rows: Any, work: Any, u: Any, shares: Any, error: float, goal: float) -> Any:
+def solve(vectors: Any, system: Any, notes: Any, shares: Any, error: float, goal: float) -> Any:
     """Iterate conjugate gradients from the residual's square ``error`` down to the goal.
 
     With the products r q and q q the new residual is known before it is written: one pass over
-    the matrix and one over the vectors an iteration. Returns how far u is to go along p at last,
+    the matrix and one over the vectors an iteration. ``vectors`` are p, r, q, u and D^-1/2,
+    ``notes`` sums, report and reals of the work space. Returns how far u is to go along p at last,
     and the iterations (-1: given up).
     """
     share, threads = shares
-    p, r, q, report = work.fields[P], work.fields[R], work.fields[Q], work.report
-    inverse, system = rows.nodal[INVERSE], (rows.start, rows.longer, rows.columns, rows.system)
+    p, r, q, _, _ = vectors
+    sums, report, reals = notes
     iterations, along = 0, 0.0
     while not error <= goal:
-        multiply(p, r if iterations else p, q, system, work.sums, share)
+        multiply(p, r if iterations else p, q, system, sums, share)
         meet(report, threads)
-        pq = total(work.sums, PQ)
+        pq = total(sums, PQ)
         if iterations == ITERATION_LIMIT or not pq > 0.0 or not error < np.inf:
             if share[0] == 0:
-                work.reals[LEFT], work.reals[GOAL] = error, goal
+                reals[LEFT], reals[GOAL] = error, goal
                 report[ITERATIONS] = iterations
             iterations = -1
             break
         along = error / pq
-        squares = along * along * total(work.sums, QQ)
-        expected = error - 2.0 * along * total(work.sums, RQ) + squares
+        squares = along * along * total(sums, QQ)
+        expected = error - 2.0 * along * total(sums, RQ) + squares
         iterations += 1
         if expected <= goal:
             break
-        streams = (p, r, q, u, inverse)
-        update(streams, along, expected / error, iterations == 1, work.sums, share)
+        update(vectors, along, expected / error, iterations == 1, sums, share)
         meet(report, threads)
-        error, along = total(work.sums, ERROR), 0.0
+        error, along = total(sums, ERROR), 0.0
     return along, iterations

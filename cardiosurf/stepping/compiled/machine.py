@@ -1,5 +1,6 @@
 """What numba has no words for: several numbers in one register, and threads that meet."""
 
+import platform
 from typing import Any
 
 from llvmlite import ir
@@ -155,8 +156,36 @@ def atomic_add(typing: Any, array: Any, index: Any, amount: Any) -> Any:
 
 
 @_known  # type: ignore[untyped-decorator]
-def pause(typing: Any) -> Any:
-    """Let other threads run on this core for a while."""
+def atomic_load(typing: Any, array: Any, index: Any) -> Any:
+    """Return an int64 of an array as other threads have left it."""
+    signature = types.int64(array, index)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        data = _data(context, builder, signature.args[0], arguments[0])
+        index = context.cast(builder, arguments[1], signature.args[1], types.int64)
+        return builder.load_atomic(builder.gep(data, [index]), "seq_cst", 8)
+
+    return signature, generate
+
+
+@_known  # type: ignore[untyped-decorator]
+def breathe(typing: Any) -> Any:
+    """Leave the core to what shares it (another thread of the same core) for some cycles."""
+    signature = types.void()
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        if platform.machine() in ("x86_64", "AMD64"):
+            kind, name = ir.FunctionType(ir.VoidType(), []), "llvm.x86.sse2.pause"
+            known = builder.module.globals.get(name)
+            builder.call(known or ir.Function(builder.module, kind, name), [])
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@_known  # type: ignore[untyped-decorator]
+def give_way(typing: Any) -> Any:
+    """Let the system run other threads on this core."""
     signature = types.int32()
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

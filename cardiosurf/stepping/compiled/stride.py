@@ -37,6 +37,8 @@ from cardiosurf.stepping.compiled.passes import (
     V1,
     WARM,
     P,
+    Q,
+    R,
     finish,
     prepare,
     residual,
@@ -66,9 +68,9 @@ class Now(NamedTuple):
 
 
 @apart
-def add_current(rows: Any, rule: Any, work: Any, new: Any, share: Any) -> None:
+def add_current(streams: Any, nodal: Any, rule: Any, sums: Any, share: Any) -> None:
     """Add a stimulus's current to what is known, and to its size."""
-    vectors, nodal, current = work.vectors, rows.nodal, work.current
+    vectors, new, current = streams
     first, last, extents = share
     for block in range(first, last):
         more = 0.0
@@ -79,7 +81,7 @@ def add_current(rows: Any, rule: Any, work: Any, new: Any, share: Any) -> None:
             known = (with_earlier - guess) * nodal[INVERSE, i] + new[i]
             more += nodal[SCALE, i] * nodal[SCALE, i] * push * (2.0 * known + push)
             vectors[i] = complex(with_earlier + nodal[ROOT, i] * push, guess)
-        work.sums[block, SIZE] += more
+        sums[block, SIZE] += more
 
 
 @apart
@@ -158,22 +160,26 @@ def turn(now: Any) -> None:
 
 
 @apart
-def known_and_guess(rows: Any, rule: Any, work: Any, now: Any, share: Any) -> None:
-    """Write what is known, what is guessed, and the new recovery."""
-    f, s, nodal = work.fields, now.slots, rows.nodal
+def known_and_guess(nodal: Any, rule: Any, spaces: Any, now: Any, share: Any) -> None:
+    """Write what is known, what is guessed, and the new recovery.
+
+    ``spaces`` are fields, vectors, active, current and sums of the work space.
+    """
+    (f, vectors, active, current, sums), s = spaces, now.slots
     potentials = (f[s[U0]], f[s[U1]], f[s[U2]], f[s[U3]], f[s[NEW_U]])
     recoveries = (f[s[V0]], f[s[V1]], f[s[NEW_V]])
-    streams = (*potentials, *recoveries, nodal[ROOT], nodal[SCALE], work.vectors)
-    prepare(streams, work.active, rule, now.guess, work.sums, share)
-    if len(work.current) > 0:
-        add_current(rows, rule, work, f[s[NEW_U]], share)
+    streams = (*potentials, *recoveries, nodal[ROOT], nodal[SCALE], vectors)
+    prepare(streams, active, rule, now.guess, sums, share)
+    if len(current) > 0:
+        add_current((vectors, f[s[NEW_U]], current), nodal, rule, sums, share)
 
 
 @inlined
 def step(rows: Any, rule: Any, work: Any, scar: Any, now: Any, share: Any) -> Any:
     """Compute the new state; return the iterations, -1 if conjugate gradients gave up."""
     fields, sums, threads = work.fields, work.sums, rule.threads
-    known_and_guess(rows, rule, work, now, share)
+    spaces = (fields, work.vectors, work.active, work.current, sums)
+    known_and_guess(rows.nodal, rule, spaces, now, share)
     meet(work.report, threads)
     both = (rows.start, rows.longer, rows.columns, (rows.mass, rows.system))
     residual(fields[P], work.vectors, rows.nodal[DIAGONAL], both, sums, share)
@@ -185,10 +191,13 @@ def step(rows: Any, rule: Any, work: Any, scar: Any, now: Any, share: Any) -> An
         meet(work.report, threads)
         error += work.reals[GAIN]
     goal = rule.tolerance * rule.tolerance * total(sums, SIZE) + UNDERFLOW
-    new, old = fields[now.slots[NEW_U]], fields[now.slots[U0]]
-    along, iterations = solve(rows, work, new, (share, threads), error, goal)
+    new, old, inverse = fields[now.slots[NEW_U]], fields[now.slots[U0]], rows.nodal[INVERSE]
+    vectors = (fields[P], fields[R], fields[Q], new, inverse)
+    system = (rows.start, rows.longer, rows.columns, rows.system)
+    notes = (sums, work.report, work.reals)
+    along, iterations = solve(vectors, system, notes, (share, threads), error, goal)
     if iterations >= 0:
-        finish(fields[P], new, old, rows.nodal[INVERSE], along, (sums, share))
+        finish(fields[P], new, old, inverse, along, (sums, share))
         meet(work.report, threads)
     return iterations
 
