@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from cardiosurf.fem.operators import Operators
 
 MOST_STEPS = 1e7
-NODES_A_THREAD = 20_000
+NODES_A_THREAD = 10_000
 
 
 @dataclass(frozen=True)
