@@ -107,7 +107,7 @@ def test_the_choice_follows_the_measured_rule_in_numpy(nodes, stiffness, steps, 
         (12_000, 60.0, 1000.0, "cg"),  # 20 iterations, 27 us each; a back-solve takes 0.8 ms
         (10_000, 500.0, 1e5, "direct"),  # 57 iterations
         (10_000, 500.0, 100.0, "cg"),  # too few steps to pay for the factorisation
-        (160_000, 500.0, 1e5, "cg"),  # a back-solve takes as long as a hundred iterations
+        (160_000, 500.0, 1e5, "cg"),  # a back-solve takes as long as fifty, and the rest as ten
     ],
 )
 def test_the_choice_follows_the_measured_rule_in_machine_code(nodes, stiffness, steps, name):
