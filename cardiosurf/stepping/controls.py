@@ -8,7 +8,7 @@ import numpy as np
 from annotated_types import Ge, Le
 
 from cardiosurf.errors import InputError
-from cardiosurf.kinetics import Kinetics
+from cardiosurf.kinetics import COMPILED, Kinetics
 from cardiosurf.sections import Positive, Section, Span
 from cardiosurf.stepping.schemes import SCHEMES, Scheme
 from cardiosurf.stepping.solvers import LOOSEST_TOLERANCE, SolverChoice, choose_solver
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from cardiosurf.fem.operators import Operators
 
 MOST_STEPS = 1e7
-NODES_A_THREAD = 20_000
+NODES_A_THREAD = 10_000
 
 
 @dataclass(frozen=True)
@@ -139,6 +139,7 @@ def decide(
             if given
             else "a larger time.step, or a smaller time.end",
         )
+    execution = execution or Execution()
     weight = step.step * scheme.implicit[0] / scheme.state[0]
     rates = operators.stiffness.diagonal() / operators.mass.diagonal()
     solver = choose_solver(
@@ -147,6 +148,7 @@ def decide(
         steps=steps,
         wanted=section.solver,
         tolerance=section.tolerance,
+        compiled=execution.jit and type(kinetics) in COMPILED,
     )
-    settled = (execution or Execution()).fit(len(rates))
+    settled = execution.fit(len(rates))
     return Controls(scheme, step, section.end, solver, settled)

@@ -59,7 +59,7 @@ def walk(
     )
     place, past, plan = _take_up(problem, controls, stepper, start)
     yield Stride(_moment(place, past, past.states[0], place.time), None)
-    engine = _engine(problem, controls, wishes)
+    engine, compiles = None, is_compiled(problem, controls)
     for segment, behind in plan:
         place = Place(place.step, segment, behind)
         to_come = pending(problem.pulses, segment, controls.end)
@@ -68,22 +68,37 @@ def walk(
             past = stepper.begin(switch_on(problem.pulses, segment, before))
             if past.states[0] is not before:
                 yield Stride(_moment(place, past, before, segment.start, to_come), None)
+            del before
         source = current(problem.pulses, segment)
         while place.done < segment.count:
-            if engine is not None and stepper.is_deep(past):
-                stepper.forget()
+            if compiles and stepper.is_deep(past):
                 from cardiosurf.stepping.compiled.steps import Stretch, compiled_steps
 
+                # memory: the matrices of the starting steps go first, then the states
+                stepper.forget()
+                engine = engine or _engine(problem, controls, wishes)
+                engine.load(past.states)
+                past = Past((), ())
                 stretch = Stretch(place, source, to_come)
-                yield from compiled_steps(engine, stepper, past, stretch, wishes)
+                yield from compiled_steps(engine, stepper, stretch, wishes)
                 place, past = place.on(segment.count - place.done), Past(engine.states(), ())
             else:
-                before, place = past.states[0], place.on(1)
-                new = _advance(stepper, past, place, source)
-                past = stepper.extend(past, new.state)
-                cost = Cost(segment.step, 1, new.iterations, new.iterations, new.seconds)
-                earlier = segment.time(place.done - 1)
-                yield Stride(_moment(place, past, before, earlier, to_come), cost)
+                place = place.on(1)
+                past, stride = _single(stepper, past, place, source, to_come)
+                yield stride
+                # memory: nothing holds on to states that are not needed any more
+                del stride
+
+
+def _single(
+    stepper: Stepper, past: Past, place: Place, source: Floats | None, to_come: bool
+) -> tuple[Past, Stride]:
+    """Do the step to a place in NumPy; return the new past, and what is to be told."""
+    new = _advance(stepper, past, place, source)
+    longer = stepper.extend(past, new.state)
+    cost = Cost(place.segment.step, 1, new.iterations, new.iterations, new.seconds)
+    earlier = place.segment.time(place.done - 1)
+    return longer, Stride(_moment(place, longer, past.states[0], earlier, to_come), cost)
 
 
 def is_compiled(problem: Problem, controls: Controls) -> bool:
@@ -94,11 +109,8 @@ def is_compiled(problem: Problem, controls: Controls) -> bool:
     return controls.execution.jit and known and controls.solver.tolerance is not None
 
 
-def _engine(problem: Problem, controls: Controls, wishes: Wishes) -> "Engine | None":
-    """Return the compiled march, or None where NumPy marches."""
-    tolerance = controls.solver.tolerance
-    if tolerance is None or not is_compiled(problem, controls):
-        return None
+def _engine(problem: Problem, controls: Controls, wishes: Wishes) -> "Engine":
+    """Return the compiled march of a problem that it knows (``is_compiled``)."""
     # numba is imported only where something is marched with it
     from cardiosurf.stepping.compiled.engine import Engine
 
@@ -106,7 +118,7 @@ def _engine(problem: Problem, controls: Controls, wishes: Wishes) -> "Engine | N
         problem.operators,
         problem.kinetics,
         controls.scheme,
-        tolerance=tolerance,
+        tolerance=controls.solver.tolerance or 0.0,
         watch=wishes.watch,
         threads=controls.execution.fit(problem.operators.mass.shape[0]).threads or 1,
     )

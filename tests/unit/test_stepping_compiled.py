@@ -12,8 +12,8 @@ from cardiosurf.kinetics import KINETICS, FitzHughNagumo, RogersMcCulloch
 from cardiosurf.recording.observers import Activation, Probes
 from cardiosurf.recording.quiescence import Quiescence
 from cardiosurf.stepping.compiled.laws import constants_of, rates
-from cardiosurf.stepping.compiled.rows import BLOCK, LEAST, arrange
-from cardiosurf.stepping.compiled.stride import weigh
+from cardiosurf.stepping.compiled.machine import GROUP
+from cardiosurf.stepping.compiled.rows import BLOCK, LEAST, arrange, weigh
 from cardiosurf.stepping.compiled.work import LEAST_CROSSINGS
 from cardiosurf.stepping.controls import NODES_A_THREAD, Controls, Execution
 from cardiosurf.stepping.march import Problem, march
@@ -285,39 +285,48 @@ def test_a_matrix_that_is_not_positive_ends_the_march():
 # ---------------------------------------------------------------- the layout
 
 
+def entries(rows, n, values):
+    """The matrix (n, n) of the entries beside the diagonal."""
+    start = rows.start.astype(int)
+    width = np.diff(start) // GROUP
+    assert (width >= LEAST).all()
+    group = np.repeat(np.arange(len(width)), np.diff(start))
+    owner = GROUP * group + (np.arange(start[-1]) - start[group]) % GROUP
+    assert (values[owner >= n] == 0.0).all()
+    found = np.zeros((GROUP * len(width), n))
+    np.add.at(found, (owner, rows.columns.astype(int)), values)
+    return found[:n]
+
+
 def test_rows_hold_the_matrices_in_another_order():
     _, op = sheet(50, 45, tensor=(3.0, 1.0))
     arrangement = arrange(op)
     rows, vertex = arrangement.rows, arrangement.vertex
-    weigh(rows, 0.7)
+    weigh(arrangement, 0.7)
     n = len(vertex)
+    assert n % GROUP > 0
     assert np.array_equal(np.sort(vertex), np.arange(n))
     assert np.array_equal(vertex[arrangement.row], np.arange(n))
-    low, high, width, _ = rows.runs.astype(int).T
-    assert np.array_equal(low[1:], high[:-1])
-    assert (width >= LEAST).all()
-    owner = np.repeat(np.arange(n), np.repeat(width, high - low))
-    system = (op.mass + 0.7 * op.stiffness)[vertex][:, vertex]
-    scale = 1.0 / np.sqrt(system.diagonal())
-    scaled = (system.multiply(scale[:, None]).multiply(scale)).toarray()
-    for values, matrix in (
-        (rows.pair[:, 0], op.mass[vertex][:, vertex].toarray()),
-        (rows.pair[:, 1], op.stiffness[vertex][:, vertex].toarray()),
-        (rows.system, scaled),
-    ):
-        found = np.zeros((n, n))
-        np.add.at(found, (owner, rows.columns.astype(int)), values)
-        assert found == pytest.approx(matrix - np.diag(matrix.diagonal()), abs=1e-12)
-    assert rows.nodal[3] == pytest.approx(np.asarray(op.mass.sum(axis=1))[vertex], rel=1e-14)
+    mass = op.mass[vertex][:, vertex].toarray()
+    system = mass + 0.7 * op.stiffness[vertex][:, vertex].toarray()
+    root = np.sqrt(system.diagonal())
+    lumped = mass.sum(axis=1)
+    for values, matrix in ((rows.mass, mass), (rows.system, system)):
+        scaled = matrix / root / root[:, None]
+        beside = scaled - np.diag(scaled.diagonal())
+        assert entries(rows, n, values) == pytest.approx(beside, abs=1e-14)
+    nodal = (mass.diagonal() / root**2, root, 1.0 / root, lumped / root)
+    assert rows.nodal[:, :n] == pytest.approx(np.array(nodal), rel=1e-14)
 
 
 def test_rows_of_matrices_with_different_patterns():
     stiffness = csr_array(np.array([[2.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 0.0]]))
     mass = csr_array(np.array([[1.0, 0.0, 0.25], [0.0, 1.0, 0.0], [0.25, 0.0, 1.0]]))
     arrangement = arrange(Operators(mass, mass, stiffness))
-    weigh(arrangement.rows, 1.0)
-    order = arrangement.vertex
-    assert arrangement.rows.nodal[0] == pytest.approx(mass.diagonal()[order])
-    assert arrangement.rows.nodal[1] == pytest.approx(stiffness.diagonal()[order])
-    assert sorted(arrangement.rows.pair[:, 0])[-2:] == [0.25, 0.25]
-    assert sorted(arrangement.rows.pair[:, 1])[:2] == [-1.0, -1.0]
+    weigh(arrangement, 1.0)
+    order, rows = arrangement.vertex, arrangement.rows
+    system = (mass + stiffness).toarray()[order][:, order]
+    root = rows.nodal[1, :3]
+    assert root**2 == pytest.approx(system.diagonal())
+    beside = system - np.diag(system.diagonal())
+    assert entries(rows, 3, rows.system) * root * root[:, None] == pytest.approx(beside)

@@ -5,7 +5,7 @@ from pydantic import TypeAdapter, ValidationError
 from cardiosurf.errors import InputError, NumericalError
 from cardiosurf.fem.operators import assemble
 from cardiosurf.kinetics import KINETICS, RogersMcCulloch
-from cardiosurf.stepping.controls import TimeSection, decide
+from cardiosurf.stepping.controls import Execution, TimeSection, decide
 from cardiosurf.stepping.schemes import SCHEMES, Scheme
 from cardiosurf.stepping.solvers import LOOSEST_TOLERANCE
 from cardiosurf.stepping.stability import largest_stable
@@ -53,8 +53,12 @@ def test_decisions_carry_their_reasons(operators):
     assert controls.scheme is SCHEMES["sbdf2"]
     assert controls.step.step == 1.5
     assert "0.226" in controls.step.reason
-    assert controls.solver.name == "direct"
+    assert controls.solver.name == "cg"
     assert "4 nodes" in controls.solver.reason
+    plain = decide(
+        TimeSection(end=100.0), RogersMcCulloch(), operators, execution=Execution(jit=False)
+    )
+    assert plain.solver.name == "direct"
     wanted = decide(TimeSection(end=100.0, step=0.7, solver="cg"), RogersMcCulloch(), operators)
     assert wanted.step.step == 0.7
     # C (rate dt)^2 = 0.0285 (0.2262 * 0.7)^2

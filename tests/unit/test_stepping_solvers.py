@@ -94,10 +94,25 @@ def test_cg_refuses_numbers_that_are_not_finite(matrix, wrong):
         (200_000, 5.0, 1000.0, "cg"),
     ],
 )
-def test_the_choice_follows_the_measured_rule(nodes, stiffness, steps, name):
-    choice = choose_solver(nodes, stiffness=stiffness, steps=steps)
+def test_the_choice_follows_the_measured_rule_in_numpy(nodes, stiffness, steps, name):
+    choice = choose_solver(nodes, stiffness=stiffness, steps=steps, compiled=False)
     assert choice.name == name
     assert f"{nodes} nodes" in choice.reason
+
+
+@pytest.mark.parametrize(
+    ("nodes", "stiffness", "steps", "name"),
+    [
+        (150, 1.0, 1000.0, "cg"),  # 5 us a step in machine code, 80 in NumPy
+        (12_000, 60.0, 1000.0, "cg"),  # 20 iterations, 27 us each; a back-solve takes 0.8 ms
+        (10_000, 500.0, 1e5, "direct"),  # 57 iterations
+        (10_000, 500.0, 100.0, "cg"),  # too few steps to pay for the factorisation
+        (160_000, 500.0, 1e5, "cg"),  # a back-solve takes as long as a hundred iterations
+    ],
+)
+def test_the_choice_follows_the_measured_rule_in_machine_code(nodes, stiffness, steps, name):
+    choice = choose_solver(nodes, stiffness=stiffness, steps=steps)
+    assert choice.name == name
 
 
 @pytest.mark.parametrize("name", ["cg", "direct"])

@@ -22,7 +22,7 @@ from cardiosurf.stepping.compiled.gradients import (
 )
 from cardiosurf.stepping.compiled.laws import constants_of
 from cardiosurf.stepping.compiled.passes import NEW_U, NEW_V, U0, U1, U2, U3, V0, V1
-from cardiosurf.stepping.compiled.rows import arrange
+from cardiosurf.stepping.compiled.rows import arrange, weigh
 from cardiosurf.stepping.compiled.stride import (
     FULL,
     FULL_AND_REST_CHANGED,
@@ -30,16 +30,16 @@ from cardiosurf.stepping.compiled.stride import (
     UNSOLVED,
     UNSOUND,
     stride,
-    weigh,
 )
 from cardiosurf.stepping.compiled.work import FIRST_SLOTS, Rule, make_work, scar_of
 from cardiosurf.stepping.moment import Crossings, Trace, crossings_between
 from cardiosurf.stepping.schemes import Scheme
 from cardiosurf.stepping.solvers import not_converged
 
-MOST_STEPS = 256
+LEAST_STEPS, MOST_STEPS = 8, 256
 SECONDS = 0.05
-"""The most steps and about the longest time of a stride, so that signals and bars are served."""
+"""Steps of a stride, and about its longest time, so that signals and bars are served. Below eight
+steps what is told after a stride would count on large meshes."""
 
 
 # from this many states the next guess is extrapolated with these weights
@@ -62,8 +62,8 @@ class Leg:
         Steps done.
     iterations, most : int
         Iterations in all, and in the worst step.
-    seconds : float
-        Wall time.
+    seconds, marching : float
+        Wall time, and that of the steps alone.
     crossings : Crossings
         All crossings of 0.5.
     trace : Trace
@@ -76,6 +76,7 @@ class Leg:
     iterations: int
     most: int
     seconds: float
+    marching: float
     crossings: Crossings
     trace: Trace
     state: Floats
@@ -135,9 +136,9 @@ class Engine:
         work.guess[:] = 0.0
         known = states[:4]
         for k, state in enumerate(known):
-            work.fields[work.slots[U0 + k]] = state[0][vertex]
+            work.fields[work.slots[U0 + k], : len(vertex)] = state[0][vertex]
         for k, state in enumerate(known[:2]):
-            work.fields[work.slots[V0 + k]] = state[1][vertex]
+            work.fields[work.slots[V0 + k], : len(vertex)] = state[1][vertex]
         work.guess[: len(known)] = _GUESSES[len(known)]
         self._resting = False
         self.strides += 1
@@ -179,11 +180,11 @@ class Engine:
         work = self._fit(source)
         rule = self._rule(dt, pending)
         work.report[:] = 0
-        self._run(rule, work, times)
+        marching = self._run(rule, work, times)
         self.strides += 1
-        leg = self._leg(times, begun)
+        leg = self._leg(times, begun, marching)
         if leg.steps:
-            self._seconds_a_step = max(leg.seconds / leg.steps, 1e-7)
+            self._seconds_a_step = max(marching / leg.steps, 1e-7)
         if work.report[REASON] in (REST_CHANGED, FULL_AND_REST_CHANGED):
             self._resting = not self._resting
         return leg
@@ -204,7 +205,7 @@ class Engine:
     @property
     def room(self) -> int:
         """The most steps that a stride should have."""
-        return int(np.clip(SECONDS / self._seconds_a_step, 1, MOST_STEPS))
+        return int(np.clip(SECONDS / self._seconds_a_step, LEAST_STEPS, MOST_STEPS))
 
     def _fit(self, source: Floats | None) -> Any:
         """Take the current that is on into the work space."""
@@ -222,7 +223,7 @@ class Engine:
         push = [dt * c / a0 for c in scheme.explicit]
         weight = dt * b0 / a0
         if weight != self._weight:
-            weigh(self._arrangement.rows, weight)
+            weigh(self._arrangement, weight)
             self._weight = weight
         return Rule(
             constants=self._constants,
@@ -239,20 +240,19 @@ class Engine:
             threads=self._threads,
         )
 
-    def _run(self, rule: Rule, work: Any, times: Floats) -> None:
-        """Run the stride, in as many threads as share it."""
+    def _run(self, rule: Rule, work: Any, times: Floats) -> float:
+        """Run the stride, in as many threads as share it; return the seconds."""
         rows, scar = self._arrangement.rows, self._scar
-        if self._threads == 1:
-            stride(rows, rule, work, scar, times, 0)
-            return
+        begun = perf_counter()
         others = [
             _pool(self._threads).submit(stride, rows, rule, work, scar, times, number)
             for number in range(1, self._threads)
         ]
         stride(rows, rule, work, scar, times, 0)
         wait(others)
+        return perf_counter() - begun
 
-    def _leg(self, times: Floats, begun: float) -> Leg:
+    def _leg(self, times: Floats, begun: float, marching: float) -> Leg:
         """Return what the stride did, in the order of the vertices."""
         work, vertex = self._work, self._arrangement.vertex
         steps, count = int(work.report[STEPS]), int(work.report[CROSSINGS])
@@ -267,6 +267,7 @@ class Engine:
             iterations=int(work.report[ITERATIONS]),
             most=int(work.report[MOST]),
             seconds=perf_counter() - begun,
+            marching=marching,
             crossings=crossings,
             trace=Trace(self._watch, times[1 : steps + 1], work.watched[:steps].copy()),
             state=state,

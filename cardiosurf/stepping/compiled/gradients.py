@@ -4,36 +4,46 @@ from typing import Any
 
 import numpy as np
 
-from cardiosurf.stepping.compiled.keep import inlined
-from cardiosurf.stepping.compiled.machine import atomic_add, pause
-from cardiosurf.stepping.compiled.passes import ERROR, PQ, QQ, RQ, multiply, update
+from cardiosurf.stepping.compiled.keep import apart
+from cardiosurf.stepping.compiled.machine import atomic_add, atomic_load, breathe, give_way
+from cardiosurf.stepping.compiled.passes import (
+    ERROR,
+    PQ,
+    QQ,
+    RQ,
+    multiply,
+    update,
+)
 
 REASON, CROSSINGS, STEPS, ITERATIONS, MOST, ARRIVED, MET = range(7)
 GAIN, LEFT, GOAL = range(3)
 """Places in ``work.report`` and ``work.reals``."""
 
 ITERATION_LIMIT = 1000
-SPINS = 2000
+SPINS = 100
+"""How often to look before the system may run other threads: some 2 us."""
 
 
-@inlined
+@apart
 def meet(report: Any, threads: int) -> None:
     """Wait until all threads are here."""
     if threads > 1:
-        met = atomic_add(report, MET, 0)
+        met = atomic_load(report, MET)
         if atomic_add(report, ARRIVED, 1) == threads - 1:
             atomic_add(report, ARRIVED, -threads)
             atomic_add(report, MET, 1)
         else:
             spins = 0
-            while atomic_add(report, MET, 0) == met:
+            while atomic_load(report, MET) == met:
                 spins += 1
                 if spins > SPINS:
-                    pause()
+                    give_way()
+                else:
+                    breathe()
 
 
-@inlined
-def total(sums: Any, column: int) -> float:
+@apart
+def total(sums: Any, column: Any) -> float:
     """Return the sum over the blocks, in their order."""
     found = 0.0
     for k in range(len(sums)):
@@ -41,33 +51,36 @@ def total(sums: Any, column: int) -> float:
     return found
 
 
-@inlined
-def solve(rows: Any, work: Any, share: Any, error: float, goal: float) -> Any:
+@apart
+def solve(vectors: Any, system: Any, notes: Any, shares: Any, error: float, goal: float) -> Any:
     """Iterate conjugate gradients from the residual's square ``error`` down to the goal.
 
     With the products r q and q q the new residual is known before it is written: one pass over
-    the matrix and one over the vectors an iteration. Returns how far to go along p at last, the
-    iterations (-1: given up) and whether some have been added to e (1.0 or 0.0).
+    the matrix and one over the vectors an iteration. ``vectors`` are p, r, q, u and D^-1/2,
+    ``notes`` sums, report and reals of the work space. Returns how far u is to go along p at last,
+    and the iterations (-1: given up).
     """
-    first, last, threads = share
-    iterations, along, kept = 0, 0.0, 0.0
+    share, threads = shares
+    p, r, q, _, _ = vectors
+    sums, report, reals = notes
+    iterations, along = 0, 0.0
     while not error <= goal:
-        multiply(rows, work, first, last)
-        meet(work.report, threads)
-        pq = total(work.sums, PQ)
+        multiply(p, r if iterations else p, q, system, sums, share)
+        meet(report, threads)
+        pq = total(sums, PQ)
         if iterations == ITERATION_LIMIT or not pq > 0.0 or not error < np.inf:
-            if first == 0:
-                work.reals[LEFT], work.reals[GOAL] = error, goal
-                work.report[ITERATIONS] = iterations
+            if share[0] == 0:
+                reals[LEFT], reals[GOAL] = error, goal
+                report[ITERATIONS] = iterations
             iterations = -1
             break
         along = error / pq
-        squares = along * along * total(work.sums, QQ)
-        expected = error - 2.0 * along * total(work.sums, RQ) + squares
+        squares = along * along * total(sums, QQ)
+        expected = error - 2.0 * along * total(sums, RQ) + squares
         iterations += 1
         if expected <= goal:
             break
-        update(rows, work, share, along, expected / error, kept)
-        meet(work.report, threads)
-        error, along, kept = total(work.sums, ERROR), 0.0, 1.0
-    return along, iterations, kept
+        update(vectors, along, expected / error, iterations == 1, sums, share)
+        meet(report, threads)
+        error, along = total(sums, ERROR), 0.0
+    return along, iterations

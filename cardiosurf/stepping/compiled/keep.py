@@ -65,6 +65,15 @@ def compiled(function: _Function) -> _Function:
 
 
 def inlined(function: _Function) -> _Function:
-    """Have a function compiled into those that call it."""
+    """Have a function written out in those that call it, before they are compiled."""
+    jitted: _Function = numba.njit(inline="always", **_OPTIONS, **_NO_WRAPPER)(function)
+    return jitted
+
+
+def apart(function: _Function) -> _Function:
+    """Have a function compiled by itself, for those that call it.
+
+    It takes a fifth of a second more than ``inlined``, but its arguments are known to be apart.
+    """
     jitted: _Function = numba.njit(**_OPTIONS, **_NO_WRAPPER)(function)
     return jitted

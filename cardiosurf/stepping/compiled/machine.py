@@ -1,15 +1,19 @@
-"""What numba has no words for: pairs of numbers in one register, and threads that meet."""
+"""What numba has no words for: several numbers in one register, and threads that meet."""
 
+import platform
 from typing import Any
 
 from llvmlite import ir
-from numba import typeof, types
+from numba import types
 from numba.extending import intrinsic
 
+GROUP = 4
+"""Rows that are done at once: as many as a register has numbers."""
+
 _DOUBLE = ir.DoubleType()
-_PAIR = ir.VectorType(_DOUBLE, 2)
-_TWO: Any = typeof((0.0, 0.0))  # type: ignore[no-untyped-call]
+_PAIR, _QUAD = ir.VectorType(_DOUBLE, 2), ir.VectorType(_DOUBLE, GROUP)
 _INT32, _INT64 = ir.IntType(32), ir.IntType(64)
+_NONE = ir.Constant(_QUAD, [0.0] * GROUP)
 
 
 _known: Any = intrinsic
@@ -21,103 +25,120 @@ def _data(context: Any, builder: Any, kind: Any, array: Any) -> Any:
     return context.make_array(kind)(context, builder, array).data
 
 
-def _number(builder: Any, data: Any, at: Any) -> Any:
-    """Return an element of an array."""
-    return builder.load(builder.gep(data, [at]))
+def _at(builder: Any, data: Any, index: Any, kind: Any) -> Any:
+    """Return the pointer to several elements of an array, from an index on."""
+    return builder.bitcast(builder.gep(data, [index]), kind.as_pointer())
 
 
-def _index(builder: Any, data: Any, at: Any) -> Any:
-    """Return an index, as if other threads wrote them: loops over it are not done in vectors."""
-    return builder.load_atomic(builder.gep(data, [at]), "monotonic", 4)
+def _load(builder: Any, data: Any, index: Any, kind: Any) -> Any:
+    """Return elements of an array, in one register."""
+    loaded = builder.load(_at(builder, data, index, kind))
+    loaded.align = 8
+    return loaded
 
 
-def _two(builder: Any, data: Any, at: Any) -> Any:
-    """Return two numbers that lie side by side in memory, in one register."""
-    both = builder.load(builder.bitcast(builder.gep(data, [at]), _PAIR.as_pointer()))
-    both.align = 8
-    return both
+def _columns(builder: Any, data: Any, entry: Any) -> list[Any]:
+    """Return the columns of the entries of a group, two of them with each load.
+
+    Loaded as if other threads wrote them: otherwise the compiler would gather the elements of the
+    vector with instructions that take longer than loading them one by one.
+    """
+    found = []
+    for k in range(0, GROUP, 2):
+        at = builder.add(entry, ir.Constant(_INT64, k))
+        both = builder.load_atomic(_at(builder, data, at, _INT64), "monotonic", 8)
+        found.append(builder.zext(builder.trunc(both, _INT32), _INT64))
+        found.append(builder.lshr(both, ir.Constant(_INT64, 32)))
+    return found
 
 
-def _add_product(builder: Any, left: Any, right: Any, total: Any) -> Any:
+def _shuffled(builder: Any, left: Any, right: Any, order: tuple[int, ...]) -> Any:
+    """Return some numbers of two registers in one."""
+    mask = ir.Constant(ir.VectorType(_INT32, len(order)), list(order))
+    return builder.shuffle_vector(left, right, mask)
+
+
+def _plus_product(builder: Any, left: Any, right: Any, total: Any) -> Any:
     """Return left * right + total, rounded once where the machine can."""
     product = builder.fmul(left, right, flags=("contract",))
     return builder.fadd(product, total, flags=("contract",))
 
 
-def _parts(builder: Any, pair: Any) -> list[Any]:
-    """Return the two numbers of a register."""
-    return [builder.extract_element(pair, ir.Constant(_INT32, k)) for k in (0, 1)]
+def _gathered(builder: Any, vector: Any, columns: list[Any]) -> tuple[Any]:
+    """Return the elements of a vector in four columns."""
+    register = _NONE
+    for lane, column in enumerate(columns):
+        element = builder.load(builder.gep(vector, [column]))
+        register = builder.insert_element(register, element, ir.Constant(_INT32, lane))
+    return (register,)
 
 
-_NONE = ir.Constant(_PAIR, [0.0, 0.0])
+def _gathered_twice(builder: Any, vectors: Any, columns: list[Any]) -> tuple[Any, Any]:
+    """Return real and imaginary parts of a complex vector in four columns."""
+    numbers = builder.bitcast(vectors, _DOUBLE.as_pointer())
+    a, b, c, d = (
+        _load(builder, numbers, builder.shl(column, ir.Constant(_INT64, 1)), _PAIR)
+        for column in columns
+    )
+    left, right = (_shuffled(builder, *two, (0, 1, 2, 3)) for two in ((a, c), (b, d)))
+    return _shuffled(builder, left, right, (0, 4, 2, 6)), _shuffled(
+        builder, left, right, (1, 5, 3, 7)
+    )
 
 
-def _pairs(count: int) -> Any:
-    """Return the function that sums ``pair[e] * vectors[columns[e]]`` over entries from e on.
+def _sums(count: int, *, twice: bool, onto: bool) -> Any:
+    """Return the function that sums over ``count`` entries of a group of rows.
 
-    One register holds the two products, which halves the loads; numba does not find that.
+    It writes the sums of ``values[e] * vector[columns[e]]`` to ``out[row : row + 4]`` or adds them
+    there (``onto``); ``target`` is (out, row). With two values (``twice``) and a complex vector
+    the sums are of ``values[0][e] * vector.real - values[1][e] * vector.imag``.
     """
 
-    def typed(typing: Any, pair: Any, vectors: Any, columns: Any, entry: Any) -> Any:
-        signature = _TWO(pair, vectors, columns, entry)
+    def typed(typing: Any, values: Any, vector: Any, columns: Any, entry: Any, target: Any) -> Any:
+        signature = types.void(values, vector, columns, entry, target)
 
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            arrays = zip(signature.args[:3], arguments[:3], strict=True)
-            pair, vectors, columns = (_data(context, builder, *array) for array in arrays)
-            sums = [_NONE, _NONE]
+            def data(place: int, part: int | None = None) -> Any:
+                kind, array = signature.args[place], arguments[place]
+                if part is not None:
+                    kind, array = kind.types[part], builder.extract_value(array, part)
+                return _data(context, builder, kind, array)
+
+            values = [data(0, part) for part in (0, 1)] if twice else [data(0)]
+            vector, columns, begin = data(1), data(2), arguments[3]
+            place = _at(builder, data(4, 0), builder.extract_value(arguments[4], 1), _QUAD)
+            totals = [_NONE, _NONE]
             for k in range(count):
-                at = builder.add(arguments[3], ir.Constant(_INT64, k))
-                column = builder.zext(_number(builder, columns, at), _INT64)
-                left, right = (
-                    _two(builder, data, builder.shl(place, ir.Constant(_INT64, 1)))
-                    for data, place in ((pair, at), (vectors, column))
+                at = builder.add(begin, ir.Constant(_INT64, GROUP * k))
+                found = (_gathered_twice if twice else _gathered)(
+                    builder, vector, _columns(builder, columns, at)
                 )
-                sums[k % 2] = _add_product(builder, left, right, sums[k % 2])
-            both = _parts(builder, builder.fadd(*sums))
-            return context.make_tuple(builder, signature.return_type, both)
+                for part, (left, right) in enumerate(zip(values, found, strict=True)):
+                    turn = part if twice else k % 2
+                    factor = _load(builder, left, at, _QUAD)
+                    totals[turn] = _plus_product(builder, factor, right, totals[turn])
+            join = builder.fsub if twice else builder.fadd
+            total = join(*totals)
+            if onto:
+                before = builder.load(place)
+                before.align = 8
+                total = builder.fadd(before, total)
+            builder.store(total, place).align = 8
+            return context.get_dummy_value()
 
         return signature, generate
 
     return intrinsic(typed)
 
 
-def _products(count: int) -> Any:
-    """Return the function that sums ``values[e] * vector[columns[e]]`` over entries from e on.
-
-    Two products share a register. Left to itself the compiler gathers the vector's elements with
-    instructions that take longer than loading them one by one.
-    """
-
-    def typed(typing: Any, values: Any, vector: Any, columns: Any, entry: Any) -> Any:
-        signature = types.float64(values, vector, columns, entry)
-
-        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            arrays = zip(signature.args[:3], arguments[:3], strict=True)
-            values, vector, columns = (_data(context, builder, *array) for array in arrays)
-            total = _NONE
-            for k in range(0, count, 2):
-                right = _NONE
-                for part in range(min(2, count - k)):
-                    at = builder.add(arguments[3], ir.Constant(_INT64, k + part))
-                    column = builder.zext(_index(builder, columns, at), _INT64)
-                    element = _number(builder, vector, column)
-                    right = builder.insert_element(right, element, ir.Constant(_INT32, part))
-                at = builder.add(arguments[3], ir.Constant(_INT64, k))
-                if count - k > 1:
-                    left = _two(builder, values, at)
-                else:
-                    only = _number(builder, values, at)
-                    left = builder.insert_element(_NONE, only, ir.Constant(_INT32, 0))
-                total = _add_product(builder, left, right, total)
-            return builder.fadd(*_parts(builder, total))
-
-        return signature, generate
-
-    return intrinsic(typed)
-
-
-one_pair, six_pairs = _pairs(1), _pairs(6)
-one_product, six_products = _products(1), _products(6)
+six_products, add_product = (
+    _sums(6, twice=False, onto=False),
+    _sums(1, twice=False, onto=True),
+)
+six_differences, add_difference = (
+    _sums(6, twice=True, onto=False),
+    _sums(1, twice=True, onto=True),
+)
 
 
 @_known  # type: ignore[untyped-decorator]
@@ -135,8 +156,36 @@ def atomic_add(typing: Any, array: Any, index: Any, amount: Any) -> Any:
 
 
 @_known  # type: ignore[untyped-decorator]
-def pause(typing: Any) -> Any:
-    """Let other threads run on this core for a while."""
+def atomic_load(typing: Any, array: Any, index: Any) -> Any:
+    """Return an int64 of an array as other threads have left it."""
+    signature = types.int64(array, index)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        data = _data(context, builder, signature.args[0], arguments[0])
+        index = context.cast(builder, arguments[1], signature.args[1], types.int64)
+        return builder.load_atomic(builder.gep(data, [index]), "seq_cst", 8)
+
+    return signature, generate
+
+
+@_known  # type: ignore[untyped-decorator]
+def breathe(typing: Any) -> Any:
+    """Leave the core to what shares it (another thread of the same core) for some cycles."""
+    signature = types.void()
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        if platform.machine() in ("x86_64", "AMD64"):
+            kind, name = ir.FunctionType(ir.VoidType(), []), "llvm.x86.sse2.pause"
+            known = builder.module.globals.get(name)
+            builder.call(known or ir.Function(builder.module, kind, name), [])
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@_known  # type: ignore[untyped-decorator]
+def give_way(typing: Any) -> Any:
+    """Let the system run other threads on this core."""
     signature = types.int32()
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

@@ -2,174 +2,152 @@
 
 Sums and counts are kept block by block and added up in order, so they do not depend on how many
 threads share the blocks. Rows are counted in unsigned numbers: a signed index may be negative to
-numba, and asking costs as much as the work itself.
+numba, and asking costs as much as the work itself. The vectors of a loop are its function's
+arguments, one by one or in a tuple: where they are taken out of a larger array beside the loop,
+the compiler does not see that they are apart, and does one row at a time.
 """
 
 from typing import Any
 
 import numpy as np
 
-from cardiosurf.stepping.compiled.keep import inlined
+from cardiosurf.stepping.compiled.keep import apart
 from cardiosurf.stepping.compiled.laws import rates
-from cardiosurf.stepping.compiled.machine import one_pair, one_product, six_pairs, six_products
+from cardiosurf.stepping.compiled.machine import (
+    GROUP,
+    add_difference,
+    add_product,
+    six_differences,
+    six_products,
+)
 from cardiosurf.stepping.limits import BLOW_UP, REST_LEVEL, THRESHOLD
 
-MASS, STIFFNESS, INVERSE, LUMPED = range(4)
+DIAGONAL, ROOT, INVERSE, SCALE = range(4)
 """Rows of ``rows.nodal``."""
 U0, U1, U2, U3, NEW_U, V0, V1, NEW_V = range(8)
 """Places in the slots: the four newest potentials, the new one, two recoveries, the new one."""
-R, P, Q, E, FIRST_STATE = range(5)
-"""Rows of ``work.fields``: residual, direction, its image, the way so far; then the states."""
-SIZE, ERROR, PQ, RQ, QQ, UNSOUND, BROKEN, WARM, CROSSED = range(9)
-"""Columns of ``work.sums``."""
+P, R, Q, FIRST_STATE = range(4)
+"""Rows of ``work.fields``: direction, residual, image of the direction; then the states."""
+SIZE, ERROR, PQ, RQ, QQ, UNSOUND, BROKEN, WARM, CROSSED = np.arange(9)
+"""Columns of ``work.sums``; of a type of their own, or ``total`` is compiled for each of them."""
 
-SIX = np.uint64(6)
+ONE, FOUR, SIX = np.uint64(1), np.uint64(GROUP), np.uint64(6)
+SIX_FOURS = SIX * FOUR
 
 
-@inlined
-def prepare(rows: Any, rule: Any, work: Any, now: Any, first: int, last: int) -> None:
+@apart
+def prepare(streams: Any, active: Any, rule: Any, guess: Any, sums: Any, share: Any) -> None:
     """Write what is known, what is guessed, and the new recovery.
 
-    known = sum of past states + dt times past reactions; ``work.vectors`` holds
-    (known - guess, guess + earlier implicit terms).
+    known = sum of past states + dt times past reactions. With e, the earlier implicit terms, the
+    residual of the guess is M (known - guess) - w K (guess + e) = M (known + e) - A (guess + e);
+    ``vectors`` holds D^1/2 (known + e) and D^1/2 (guess + e).
     """
-    fields, vectors, nodal, active = work.fields, work.vectors, rows.nodal, work.active
-    extents, sums, s, g = rows.extents, work.sums, now.slots, now.guess
-    i0, i1, i2, i3, new_u = s[U0], s[U1], s[U2], s[U3], s[NEW_U]
-    j0, j1, new_v = s[V0], s[V1], s[NEW_V]
+    u0, u1, u2, u3, new_u, v0, v1, new_v, root, scale, vectors = streams
     a0, a1, f0, f1, b1 = rule.state0, rule.state1, rule.push0, rule.push1, rule.implicit1
-    g0, g1, g2, g3, c = g[0], g[1], g[2], g[3], rule.constants
+    g0, g1, g2, g3, c = guess[0], guess[1], guess[2], guess[3], rule.constants
+    first, last, extents = share
     for block in range(first, last):
         size, broken = 0.0, 0
         for i in range(extents[block], extents[block + 1]):
-            u0, u1, v0, v1 = fields[i0, i], fields[i1, i], fields[j0, i], fields[j1, i]
-            here, before = rates(c, u0, v0), rates(c, u1, v1)
+            here, before = rates(c, u0[i], v0[i]), rates(c, u1[i], v1[i])
             on = np.float64(active[i])
-            known = a0 * u0 + a1 * u1 + on * (f0 * here[0] + f1 * before[0])
-            guess = g0 * u0 + g1 * u1 + g2 * fields[i2, i] + g3 * fields[i3, i]
-            v = a0 * v0 + a1 * v1 + on * (f0 * here[1] + f1 * before[1])
-            fields[new_u, i] = guess
-            fields[new_v, i] = v
-            fields[Q, i] = known - guess
-            fields[E, i] = guess + b1 * u0
-            weighed = nodal[INVERSE, i] * nodal[LUMPED, i] * known
+            known = a0 * u0[i] + a1 * u1[i] + on * (f0 * here[0] + f1 * before[0])
+            guessed = g0 * u0[i] + g1 * u1[i] + g2 * u2[i] + g3 * u3[i]
+            v = a0 * v0[i] + a1 * v1[i] + on * (f0 * here[1] + f1 * before[1])
+            earlier = b1 * u0[i]
+            new_u[i] = guessed
+            new_v[i] = v
+            vectors[i] = complex(root[i] * (known + earlier), root[i] * (guessed + earlier))
+            weighed = scale[i] * known
             size += weighed * weighed
             broken += not abs(v) < np.inf
-        # numbers written side by side would keep the loop above from being done in vectors
-        for i in range(extents[block], extents[block + 1]):
-            vectors[i, 0] = fields[Q, i]
-            vectors[i, 1] = fields[E, i]
         sums[block, SIZE] = size
         sums[block, UNSOUND] = broken
 
 
-@inlined
-def residual(rows: Any, rule: Any, work: Any, first: int, last: int) -> None:
-    """Write the residual of the guess, M (known - guess) - w K guess, scaled by D^-1/2."""
-    fields, vectors, nodal, sums, w = work.fields, work.vectors, rows.nodal, work.sums, rule.weight
-    blocks, runs, pair, columns = rows.blocks, rows.runs, rows.pair, rows.columns
+@apart
+def residual(p: Any, vectors: Any, diagonal: Any, rows: Any, sums: Any, share: Any) -> None:
+    """Write the residual of the guess, scaled by D^-1/2: the first direction."""
+    start, longer, columns, pair = rows
+    first, last, extents = share
     for block in range(first, last):
+        low, high = extents[block], extents[block + 1]
+        row, entry = low, start[low // FOUR]
+        for _ in range(low // FOUR, longer[block]):
+            six_differences(pair, vectors, columns, entry, (p, row))
+            row, entry = row + FOUR, entry + SIX_FOURS
+        for group in range(longer[block], (high + FOUR - ONE) // FOUR):
+            six_differences(pair, vectors, columns, start[group], (p, row))
+            for more in range(start[group] + SIX_FOURS, start[group + 1], FOUR):
+                add_difference(pair, vectors, columns, more, (p, row))
+            row += FOUR
         error = 0.0
-        for run in range(blocks[block], blocks[block + 1]):
-            width, entry = runs[run, 2], runs[run, 3]
-            if width == SIX:
-                for i in range(runs[run, 0], runs[run, 1]):
-                    m, k = six_pairs(pair, vectors, columns, entry)
-                    entry += SIX
-                    m += nodal[MASS, i] * vectors[i, 0]
-                    k += nodal[STIFFNESS, i] * vectors[i, 1]
-                    value = nodal[INVERSE, i] * (m - w * k)
-                    fields[R, i] = value
-                    fields[P, i] = value
-                    error += value * value
-            else:
-                for i in range(runs[run, 0], runs[run, 1]):
-                    m, k = nodal[MASS, i] * vectors[i, 0], nodal[STIFFNESS, i] * vectors[i, 1]
-                    for e in range(entry, entry + width):
-                        more = one_pair(pair, vectors, columns, e)
-                        m, k = m + more[0], k + more[1]
-                    entry += width
-                    value = nodal[INVERSE, i] * (m - w * k)
-                    fields[R, i] = value
-                    fields[P, i] = value
-                    error += value * value
+        for i in range(low, high):
+            value = p[i] + (diagonal[i] * vectors[i].real - vectors[i].imag)
+            p[i] = value
+            error += value * value
         sums[block, ERROR] = error
 
 
-@inlined
-def multiply(rows: Any, work: Any, first: int, last: int) -> None:
+@apart
+def multiply(p: Any, r: Any, q: Any, rows: Any, sums: Any, share: Any) -> None:
     """Write q = A p, and the products p q, r q and q q."""
-    fields, sums, p = work.fields, work.sums, work.fields[P]
-    blocks, runs, system, columns = rows.blocks, rows.runs, rows.system, rows.columns
+    start, longer, columns, system = rows
+    first, last, extents = share
     for block in range(first, last):
+        low, high = extents[block], extents[block + 1]
+        row, entry = low, start[low // FOUR]
+        for _ in range(low // FOUR, longer[block]):
+            six_products(system, p, columns, entry, (q, row))
+            row, entry = row + FOUR, entry + SIX_FOURS
+        for group in range(longer[block], (high + FOUR - ONE) // FOUR):
+            six_products(system, p, columns, start[group], (q, row))
+            for more in range(start[group] + SIX_FOURS, start[group + 1], FOUR):
+                add_product(system, p, columns, more, (q, row))
+            row += FOUR
         pq, rq, qq = 0.0, 0.0, 0.0
-        for run in range(blocks[block], blocks[block + 1]):
-            width, entry = runs[run, 2], runs[run, 3]
-            if width == SIX:
-                for i in range(runs[run, 0], runs[run, 1]):
-                    value = p[i] + six_products(system, p, columns, entry)
-                    entry += SIX
-                    fields[Q, i] = value
-                    pq += value * p[i]
-                    rq += value * fields[R, i]
-                    qq += value * value
-            else:
-                for i in range(runs[run, 0], runs[run, 1]):
-                    value = p[i]
-                    for e in range(entry, entry + width):
-                        value += one_product(system, p, columns, e)
-                    entry += width
-                    fields[Q, i] = value
-                    pq += value * p[i]
-                    rq += value * fields[R, i]
-                    qq += value * value
+        for i in range(low, high):
+            value = p[i] + q[i]
+            q[i] = value
+            pq += value * p[i]
+            rq += value * r[i]
+            qq += value * value
         sums[block, PQ], sums[block, RQ], sums[block, QQ] = pq, rq, qq
 
 
-@inlined
-def update(rows: Any, work: Any, share: Any, along: float, turn: float, kept: float) -> None:
-    """Go along p, and turn it: e = kept e + along p, r -= along q, p = r + turn p."""
-    fields, sums, extents = work.fields, work.sums, rows.extents
-    for block in range(share[0], share[1]):
+@apart
+def update(streams: Any, along: float, turn: float, begins: bool, sums: Any, share: Any) -> None:
+    """Go along p, and turn it: u += D^-1/2 along p, r -= along q, p = r + turn p.
+
+    Where it begins, the residual is the direction still.
+    """
+    p, r, q, u, inverse = streams
+    first, last, extents = share
+    for block in range(first, last):
         error = 0.0
         for i in range(extents[block], extents[block + 1]):
-            p = fields[P, i]
-            fields[E, i] = kept * fields[E, i] + along * p
-            r = fields[R, i] - along * fields[Q, i]
-            fields[R, i] = r
-            fields[P, i] = r + turn * p
-            error += r * r
+            old = p[i]
+            u[i] += inverse[i] * along * old
+            value = (old if begins else r[i]) - along * q[i]
+            r[i] = value
+            p[i] = value + turn * old
+            error += value * value
         sums[block, ERROR] = error
 
 
-@inlined
-def finish(rows: Any, work: Any, now: Any, share: Any, along: float, kept: float) -> None:
-    """Write the new potential, guess + D^-1/2 (kept e + along p), and count what matters of it."""
-    fields, nodal, sums, extents = work.fields, rows.nodal, work.sums, rows.extents
-    new, old = now.slots[NEW_U], now.slots[U0]
-    for block in range(share[0], share[1]):
+@apart
+def finish(p: Any, new: Any, old: Any, inverse: Any, along: float, more: Any) -> None:
+    """Write the new potential, u + D^-1/2 along p, and count what matters of it."""
+    sums, share = more
+    first, last, extents = share
+    for block in range(first, last):
         warm, crossed, broken = 0, 0, 0
         for i in range(extents[block], extents[block + 1]):
-            way = kept * fields[E, i] + along * fields[P, i]
-            u = fields[new, i] + nodal[INVERSE, i] * way
-            fields[new, i] = u
+            u = new[i] + inverse[i] * along * p[i]
+            new[i] = u
             warm += u > REST_LEVEL
-            crossed += (u > THRESHOLD) != (fields[old, i] > THRESHOLD)
+            crossed += (u > THRESHOLD) != (old[i] > THRESHOLD)
             broken += not abs(u) <= BLOW_UP
         sums[block, WARM], sums[block, CROSSED] = warm, crossed
         sums[block, BROKEN] = sums[block, UNSOUND] + broken
-
-
-@inlined
-def weigh_rows(rows: Any, w: float) -> None:
-    """Set the system D^-1/2 (M + w K) D^-1/2, and D^-1/2."""
-    nodal, runs = rows.nodal, rows.runs
-    for i in range(nodal.shape[1]):
-        nodal[INVERSE, i] = 1.0 / np.sqrt(nodal[MASS, i] + w * nodal[STIFFNESS, i])
-    for run in range(len(runs)):
-        width, entry = runs[run, 2], runs[run, 3]
-        for i in range(runs[run, 0], runs[run, 1]):
-            for e in range(entry, entry + width):
-                scale = nodal[INVERSE, i] * nodal[INVERSE, rows.columns[e]]
-                rows.system[e] = scale * (rows.pair[e, 0] + w * rows.pair[e, 1])
-            entry += width

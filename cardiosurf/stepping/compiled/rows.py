@@ -1,5 +1,6 @@
 """The matrices of a step, laid out for the compiled loops."""
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,41 +10,46 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from cardiosurf.arrays import Floats, Ints, Matrix
 from cardiosurf.fem.operators import Operators
+from cardiosurf.stepping.compiled.machine import GROUP
 
 LEAST = 6
 BLOCK = 1024
 """Rows of a block: what a thread does at a time, and what sums are made of, in a fixed order."""
 
+CHUNK = 4 * BLOCK
+"""Rows that are laid out at a time: little is needed beside the matrices themselves."""
+
 
 class Rows(NamedTuple):
-    """M, K and A = M + w K row by row, in an order of their own.
+    """M and A = M + w K row by row, in an order of their own, scaled by D^-1/2 on both sides.
 
-    Neighbours are near one another (reverse Cuthill-McKee), and within a block rows with as many
-    neighbours stand together. A row has at least six entries beside the diagonal: nearly all have
-    exactly six, the loops over these are unrolled, and rows with fewer are filled up with zeros.
+    D is the diagonal of A. Neighbours are near one another (reverse Cuthill-McKee), and within a
+    block rows with as many neighbours stand together. Four rows make a group, which is done at
+    once: their first entries lie side by side, then their second ones, and so on. A group has as
+    many entries as its longest row, and at least six: nearly all have exactly six, and the loop
+    over these is unrolled. What is missing is filled up with zeros.
 
     Attributes
     ----------
-    blocks : (b + 1,) uint64
-        First run of each block.
-    runs : (q, 4) uint64
-        Rows with as many entries: first row, one past the last, entries of a row, first entry.
+    start : (m / 4 + 1,) uint64
+        First entry of each group; m is n rounded up to full groups.
+    longer : (b,) uint64
+        First group of each block that has more than six entries a row.
     columns : (z,) uint32
-        The neighbour that an entry belongs to; the row itself where it was filled up.
-    pair : (z, 2) float
-        Its entries in M and K.
-    system : (z,) float
-        Its entry in D^-1/2 A D^-1/2, D the diagonal of A; ``weigh`` sets it.
-    nodal : (4, n) float
-        The diagonals of M and K, D^-1/2 (``weigh`` sets it), and the row sums of M.
+        The neighbour that an entry belongs to; 0 where it was filled up.
+    mass, system : (z,) float
+        Its entries in D^-1/2 M D^-1/2 and D^-1/2 A D^-1/2; ``weigh`` sets them.
+    nodal : (4, m) float
+        The diagonal of D^-1/2 M D^-1/2, D^1/2, D^-1/2, and D^-1/2 times the row sums of M:
+        see ``passes.DIAGONAL``; ``weigh`` sets them.
     extents : (b + 1,) uint64
         First row of each block, and n.
     """
 
-    blocks: NDArray[np.uint64]
-    runs: NDArray[np.uint64]
+    start: NDArray[np.uint64]
+    longer: NDArray[np.uint64]
     columns: NDArray[np.uint32]
-    pair: Floats
+    mass: Floats
     system: Floats
     nodal: Floats
     extents: NDArray[np.uint64]
@@ -56,68 +62,94 @@ class Arrangement(NamedTuple):
     ----------
     rows : Rows
         The matrices.
-    vertex : (n,) int
+    vertex : (n,) int32
         The vertex of each row.
-    row : (n,) int
+    row : (n,) int32
         The row of each vertex.
+    mass, stiffness : csr_array
+        M and K in the order of the vertices, with the same pattern and a full diagonal.
     """
 
     rows: Rows
-    vertex: Ints
-    row: Ints
+    vertex: NDArray[np.int32]
+    row: NDArray[np.int32]
+    mass: Matrix
+    stiffness: Matrix
 
 
 def arrange(operators: Operators) -> Arrangement:
-    """Lay mass and stiffness out in rows.
+    """Lay the pattern of mass and stiffness out in rows; ``weigh`` brings the numbers.
 
     Parameters
     ----------
     operators : Operators
-        The matrices; the layout is quickest made of two with the same pattern.
+        The matrices; two with the same pattern are shared, others copied.
     """
     mass, stiffness = _same_pattern(operators.mass, operators.stiffness)
     n = mass.shape[0]
     neighbours = np.diff(mass.indptr) - 1
-    vertex = np.asarray(reverse_cuthill_mckee(mass, symmetric_mode=True), dtype=np.int64)
-    block = np.arange(n) // BLOCK
+    vertex = np.asarray(reverse_cuthill_mckee(mass, symmetric_mode=True), dtype=np.int32)
+    block = np.arange(n, dtype=np.int32) // BLOCK
     vertex = vertex[np.lexsort((np.maximum(neighbours[vertex], LEAST), block))]
-    row = np.empty(n, dtype=np.int64)
-    row[vertex] = np.arange(n)
+    row = np.empty(n, dtype=np.int32)
+    row[vertex] = np.arange(n, dtype=np.int32)
 
-    given = neighbours[vertex].astype(np.int64)
-    entry = _entries(mass, vertex)
-    columns, owner = row[mass.indices[entry]], np.repeat(np.arange(n), given + 1)
-    beside = columns != owner
-    pair = np.column_stack((mass.data[entry], stiffness.data[entry]))
-
-    count = np.maximum(given, LEAST)
-    start = np.concatenate(([0], np.cumsum(count)))
-    place = start[owner[beside]] + _ranks(given)
-    blocks, runs = _runs(count, block)
+    full = -(-n // GROUP) * GROUP
+    width = np.full(full, LEAST)
+    np.maximum(neighbours[vertex], LEAST, out=width[:n])
+    longest = width.reshape(-1, GROUP).max(axis=1)
+    start = np.concatenate(([0], np.cumsum(GROUP * longest))).astype(np.uint64)
+    sixes = np.add.reduceat(longest == LEAST, np.arange(0, len(longest), BLOCK // GROUP))
     rows = Rows(
-        blocks=blocks,
-        runs=runs,
-        columns=np.repeat(np.arange(n, dtype=np.uint32), count),
-        pair=np.zeros((start[-1], 2)),
-        system=np.empty(start[-1]),
-        nodal=np.array((*pair[~beside].T, np.zeros(n), np.asarray(mass.sum(axis=1))[vertex])),
+        start=start,
+        longer=(np.arange(0, len(longest), BLOCK // GROUP) + sixes).astype(np.uint64),
+        columns=np.zeros(start[-1], dtype=np.uint32),
+        mass=np.zeros(start[-1]),
+        system=np.zeros(start[-1]),
+        nodal=np.zeros((4, full)),
         extents=np.append(np.arange(0, n, BLOCK), n).astype(np.uint64),
     )
-    rows.columns[place] = columns[beside]
-    rows.pair[place] = pair[beside]
-    return Arrangement(rows, vertex, row)
+    arrangement = Arrangement(rows, vertex, row, mass, stiffness)
+    for place, _, _, column in _pieces(arrangement):
+        rows.columns[place] = column
+    return arrangement
 
 
-def _runs(count: Ints, block: Ints) -> tuple[NDArray[np.uint64], NDArray[np.uint64]]:
-    """Return first run of each block, and the runs of rows with as many neighbours in a block."""
-    n = len(count)
-    change = np.flatnonzero((np.diff(count) != 0) | (np.diff(block) != 0)) + 1
-    first = np.concatenate(([0], change))
-    last = np.concatenate((change, [n]))
-    entry = np.concatenate(([0], np.cumsum(count)))[first]
-    runs = np.column_stack((first, last, count[first], entry)).astype(np.uint64)
-    starts = np.arange(0, n + BLOCK, BLOCK)[: (n + BLOCK - 1) // BLOCK + 1]
-    return np.searchsorted(first, starts).astype(np.uint64), runs
+def weigh(arrangement: Arrangement, w: float) -> None:
+    """Set the matrices of a step for a weight w, in tu."""
+    rows, vertex, _, mass, stiffness = arrangement
+    diagonal = mass.diagonal()[vertex]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        # a matrix that is not positive is found out by conjugate gradients
+        root = np.sqrt(diagonal + w * stiffness.diagonal()[vertex])
+        inverse = 1.0 / root
+    lumped = np.asarray(mass.sum(axis=1))[vertex]
+    for k, values in enumerate((diagonal * inverse**2, root, inverse, inverse * lumped)):
+        rows.nodal[k, : len(vertex)] = values
+    for place, entry, owner, column in _pieces(arrangement):
+        scale = inverse[owner] * inverse[column]
+        rows.mass[place] = scale * mass.data[entry]
+        rows.system[place] = scale * (mass.data[entry] + w * stiffness.data[entry])
+
+
+def _pieces(arrangement: Arrangement) -> Iterator[tuple[Ints, Ints, Ints, Ints]]:
+    """Yield the entries beside the diagonal, some rows at a time.
+
+    Yields their places in ``Rows``, their numbers in the matrices, and their rows and columns.
+    """
+    rows, vertex, row, mass, _ = arrangement
+    for first in range(0, len(vertex), CHUNK):
+        some = vertex[first : first + CHUNK]
+        begin = mass.indptr[some].astype(np.int64)
+        count = mass.indptr[some + 1] - begin
+        entry = np.repeat(begin, count) + _ranks(count)
+        owner = np.repeat(np.arange(first, first + len(some)), count)
+        column = row[mass.indices[entry]]
+        beside = column != owner
+        entry, owner, column = entry[beside], owner[beside], column[beside]
+        group, lane = np.divmod(owner, GROUP)
+        place = rows.start[group].astype(np.int64) + GROUP * _ranks(count - 1) + lane
+        yield place, entry, owner, column
 
 
 def _ranks(count: Ints) -> Ints:
@@ -125,14 +157,6 @@ def _ranks(count: Ints) -> Ints:
     start = np.concatenate(([0], np.cumsum(count)[:-1]))
     ranks: Ints = np.arange(int(count.sum())) - np.repeat(start, count)
     return ranks
-
-
-def _entries(matrix: Matrix, order: Ints) -> Ints:
-    """Return the numbers of a matrix's entries, its rows taken in the given order."""
-    indptr = matrix.indptr.astype(np.int64)
-    count = np.diff(indptr)[order]
-    entries: Ints = np.repeat(indptr[order], count) + _ranks(count)
-    return entries
 
 
 def _same_pattern(mass: Matrix, stiffness: Matrix) -> tuple[Matrix, Matrix]:

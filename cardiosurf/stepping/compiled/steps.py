@@ -10,7 +10,7 @@ from cardiosurf.arrays import Floats
 from cardiosurf.stepping.compiled.engine import Engine, Leg
 from cardiosurf.stepping.moment import Checkpoint, Moment
 from cardiosurf.stepping.place import Cost, Place, Stride, Wishes, check, located
-from cardiosurf.stepping.stepper import Past, Stepper
+from cardiosurf.stepping.stepper import Stepper
 
 
 class Stretch(NamedTuple):
@@ -32,18 +32,16 @@ class Stretch(NamedTuple):
 
 
 def compiled_steps(
-    engine: Engine, stepper: Stepper, past: Past, stretch: Stretch, wishes: Wishes
+    engine: Engine, stepper: Stepper, stretch: Stretch, wishes: Wishes
 ) -> Iterator[Stride]:
     """Yield the moments of a stretch, marched in machine code.
 
     Parameters
     ----------
     engine : Engine
-        What marches; it holds the last states afterwards.
+        What marches; it holds the last states, before and afterwards.
     stepper : Stepper
         The step rule, for the reactions of a checkpoint and the remedies of a failure.
-    past : Past
-        The last states before the stretch.
     stretch : Stretch
         Where and under which current.
     wishes : Wishes
@@ -55,16 +53,13 @@ def compiled_steps(
         As ``march``.
     """
     place, segment = stretch.place, stretch.place.segment
-    engine.load(past.states)
-    latest: Floats | None = past.states[0]
     while place.done < segment.count:
         times = _times(place, wishes.due(), engine.room)
         leg = engine.go(times, segment.step, stretch.source, pending=stretch.to_come)
         if leg.steps:
-            before = latest if leg.steps == 1 and latest is not None else leg.previous
-            place, latest = place.on(leg.steps), leg.state
+            place = place.on(leg.steps)
             checkpoint = partial(_checkpoint, place, engine, stepper, engine.strides)
-            yield _stride(place, stretch.to_come, before, leg, checkpoint)
+            yield _stride(place, stretch.to_come, leg, checkpoint)
         _check(engine, stepper, place.on(1), stretch.source)
 
 
@@ -80,22 +75,16 @@ def _times(place: Place, due: float, most: int) -> Floats:
     return np.array(times)
 
 
-def _stride(
-    place: Place,
-    to_come: bool,
-    before: Floats,
-    leg: Leg,
-    checkpoint: Callable[[], Checkpoint],
-) -> Stride:
+def _stride(place: Place, to_come: bool, leg: Leg, checkpoint: Callable[[], Checkpoint]) -> Stride:
     """Return the moment after a leg of the compiled march."""
-    for state in (leg.state, before):
+    for state in (leg.state, leg.previous):
         state.setflags(write=False)
     moment = Moment(
         place.step,
         place.time,
         leg.state,
         place.segment.time(place.done - 1),
-        before,
+        leg.previous,
         to_come,
         checkpoint,
         leg.crossings,

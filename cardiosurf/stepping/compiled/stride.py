@@ -16,28 +16,32 @@ from cardiosurf.stepping.compiled.gradients import (
     solve,
     total,
 )
-from cardiosurf.stepping.compiled.keep import compiled, inlined
+from cardiosurf.stepping.compiled.keep import apart, compiled, inlined
 from cardiosurf.stepping.compiled.laws import rates
 from cardiosurf.stepping.compiled.passes import (
     BROKEN,
     CROSSED,
+    DIAGONAL,
     ERROR,
     INVERSE,
-    LUMPED,
     NEW_U,
     NEW_V,
+    ROOT,
+    SCALE,
     SIZE,
     U0,
     U1,
+    U2,
+    U3,
     V0,
     V1,
     WARM,
     P,
+    Q,
     R,
     finish,
     prepare,
     residual,
-    weigh_rows,
 )
 from cardiosurf.stepping.limits import THRESHOLD
 
@@ -63,28 +67,24 @@ class Now(NamedTuple):
     guess: Floats
 
 
-@compiled
-def weigh(rows: Any, w: float) -> None:
-    """Set the matrix of a step for a weight w, in tu."""
-    weigh_rows(rows, w)
-
-
-@inlined
-def add_current(rows: Any, rule: Any, work: Any, now: Any, share: Any) -> None:
+@apart
+def add_current(streams: Any, nodal: Any, rule: Any, sums: Any, share: Any) -> None:
     """Add a stimulus's current to what is known, and to its size."""
-    fields, vectors, nodal, current = work.fields, work.vectors, rows.nodal, work.current
-    for block in range(share[0], share[1]):
+    vectors, new, current = streams
+    first, last, extents = share
+    for block in range(first, last):
         more = 0.0
-        for i in range(rows.extents[block], rows.extents[block + 1]):
+        for i in range(extents[block], extents[block + 1]):
             push = rule.current_step * current[i]
-            known = vectors[i, 0] + fields[now.slots[NEW_U], i]
-            weight = nodal[INVERSE, i] * nodal[LUMPED, i]
-            more += weight * weight * push * (2.0 * known + push)
-            vectors[i, 0] += push
-        work.sums[block, SIZE] += more
+            # known + e and guess + e, of which the new potential is the guess still
+            with_earlier, guess = vectors[i].real, vectors[i].imag
+            known = (with_earlier - guess) * nodal[INVERSE, i] + new[i]
+            more += nodal[SCALE, i] * nodal[SCALE, i] * push * (2.0 * known + push)
+            vectors[i] = complex(with_earlier + nodal[ROOT, i] * push, guess)
+        sums[block, SIZE] += more
 
 
-@inlined
+@apart
 def spare_scar(rows: Any, rule: Any, work: Any, scar: Any, now: Any) -> float:
     """Take the reaction's share on passive triangles out of the residual; return what r r gains.
 
@@ -100,23 +100,22 @@ def spare_scar(rows: Any, rule: Any, work: Any, scar: Any, now: Any) -> float:
             before = rates(c, fields[s[U1], i], fields[s[V1], i])
             share += scar.values[entry] * (rule.push0 * here[0] + rule.push1 * before[0])
         i = scar.rows[k]
-        value = fields[R, i] - rows.nodal[INVERSE, i] * share
-        gain += value * value - fields[R, i] * fields[R, i]
-        fields[R, i] = value
+        value = fields[P, i] - rows.nodal[INVERSE, i] * share
+        gain += value * value - fields[P, i] * fields[P, i]
         fields[P, i] = value
     return gain
 
 
-@inlined
-def highest(fields: Any, slot: int) -> Any:
-    """Return the largest value of a row."""
-    found = fields[slot, 0]
-    for i in range(fields.shape[1]):
-        found = max(found, fields[slot, i])
+@apart
+def highest(potential: Any, nodes: Any) -> Any:
+    """Return the largest of the nodes' potentials."""
+    found = potential[0]
+    for i in range(nodes):
+        found = max(found, potential[i])
     return found
 
 
-@inlined
+@apart
 def note_crossings(rows: Any, work: Any, now: Any, begun: float, ended: float) -> None:
     """Write row, time and direction of each crossing of 0.5 in this step."""
     fields, new, old = work.fields, now.slots[NEW_U], now.slots[U0]
@@ -160,26 +159,45 @@ def turn(now: Any) -> None:
             guess[0], guess[1] = 2.0, -1.0
 
 
+@apart
+def known_and_guess(nodal: Any, rule: Any, spaces: Any, now: Any, share: Any) -> None:
+    """Write what is known, what is guessed, and the new recovery.
+
+    ``spaces`` are fields, vectors, active, current and sums of the work space.
+    """
+    (f, vectors, active, current, sums), s = spaces, now.slots
+    potentials = (f[s[U0]], f[s[U1]], f[s[U2]], f[s[U3]], f[s[NEW_U]])
+    recoveries = (f[s[V0]], f[s[V1]], f[s[NEW_V]])
+    streams = (*potentials, *recoveries, nodal[ROOT], nodal[SCALE], vectors)
+    prepare(streams, active, rule, now.guess, sums, share)
+    if len(current) > 0:
+        add_current((vectors, f[s[NEW_U]], current), nodal, rule, sums, share)
+
+
 @inlined
 def step(rows: Any, rule: Any, work: Any, scar: Any, now: Any, share: Any) -> Any:
     """Compute the new state; return the iterations, -1 if conjugate gradients gave up."""
-    first, last, threads = share
-    prepare(rows, rule, work, now, first, last)
-    if len(work.current) > 0:
-        add_current(rows, rule, work, now, share)
+    fields, sums, threads = work.fields, work.sums, rule.threads
+    spaces = (fields, work.vectors, work.active, work.current, sums)
+    known_and_guess(rows.nodal, rule, spaces, now, share)
     meet(work.report, threads)
-    residual(rows, rule, work, first, last)
+    both = (rows.start, rows.longer, rows.columns, (rows.mass, rows.system))
+    residual(fields[P], work.vectors, rows.nodal[DIAGONAL], both, sums, share)
     meet(work.report, threads)
-    error = total(work.sums, ERROR)
+    error = total(sums, ERROR)
     if len(scar.rows) > 0:
-        if first == 0:
+        if share[0] == 0:
             work.reals[GAIN] = spare_scar(rows, rule, work, scar, now)
         meet(work.report, threads)
         error += work.reals[GAIN]
-    goal = rule.tolerance * rule.tolerance * total(work.sums, SIZE) + UNDERFLOW
-    along, iterations, kept = solve(rows, work, share, error, goal)
+    goal = rule.tolerance * rule.tolerance * total(sums, SIZE) + UNDERFLOW
+    new, old, inverse = fields[now.slots[NEW_U]], fields[now.slots[U0]], rows.nodal[INVERSE]
+    vectors = (fields[P], fields[R], fields[Q], new, inverse)
+    system = (rows.start, rows.longer, rows.columns, rows.system)
+    notes = (sums, work.report, work.reals)
+    along, iterations = solve(vectors, system, notes, (share, threads), error, goal)
     if iterations >= 0:
-        finish(rows, work, now, share, along, kept)
+        finish(fields[P], new, old, inverse, along, (sums, share))
         meet(work.report, threads)
     return iterations
 
@@ -192,7 +210,8 @@ def rests(work: Any, now: Any, warm: float, resting: bool) -> Any:
     """
     falls = True
     if warm == 0.0 and not resting:
-        falls = highest(work.fields, now.slots[NEW_U]) <= highest(work.fields, now.slots[U0])
+        nodes, new, old = len(work.active), now.slots[NEW_U], now.slots[U0]
+        falls = highest(work.fields[new], nodes) <= highest(work.fields[old], nodes)
     return warm == 0.0 and falls
 
 
@@ -205,7 +224,7 @@ def copy(one: Any, other: Any) -> None:
         other.guess[k] = one.guess[k]
 
 
-@inlined
+@apart
 def judge(rows: Any, rule: Any, work: Any, now: Any, span: Any) -> Any:
     """Look at a new state: return a reason to end the stride, and the crossings with this step's.
 
@@ -234,12 +253,14 @@ def stride(rows: Any, rule: Any, work: Any, scar: Any, times: Any, thread: int) 
     Every thread runs this with its own number; they share the blocks and take the same decisions.
     ``work.report`` and ``work.reals`` tell what came of it.
     """
-    threads, blocks = rule.threads, len(rows.blocks) - 1
+    threads, blocks = rule.threads, len(rows.extents) - 1
     first = blocks * thread // threads
-    share = (first, blocks * (thread + 1) // threads, threads)
+    share = (first, blocks * (thread + 1) // threads, rows.extents)
     now = Now(np.empty(8, np.int64), np.empty(4))
     copy(work, now)
-    reason, done, noted, iterations, most = DONE, 0, 0.0, 0, 0
+    # of one type from the start: else what they are handed to is compiled twice
+    reason, done, noted = DONE, np.int64(0), 0.0
+    iterations, most = np.int64(0), np.int64(0)
     while done < len(times) - 1 and reason == DONE:
         needed = step(rows, rule, work, scar, now, share)
         if needed < 0:

@@ -7,10 +7,13 @@ from numpy.typing import NDArray
 
 from cardiosurf.arrays import Floats, Ints, Matrix
 from cardiosurf.fem.operators import Operators
+from cardiosurf.stepping.compiled.passes import FIRST_STATE, Q, R
 from cardiosurf.stepping.compiled.rows import Arrangement
 
 LEAST_CROSSINGS = 4096
-FIRST_SLOTS = np.arange(4, 12)
+LINE = 8
+"""Numbers in a line of the cache."""
+FIRST_SLOTS = np.arange(FIRST_STATE, FIRST_STATE + 8)
 """The rows of ``Work.fields`` that hold u0 u1 u2 u3, the new u, v0 v1 and the new v at first."""
 
 
@@ -67,11 +70,11 @@ class Work(NamedTuple):
 
     Attributes
     ----------
-    fields : (12, n) float
-        Residual, direction, its image and the way so far, of conjugate gradients; five
-        potentials and three recoveries, which take turns (``slots``).
-    vectors : (n, 2) float
-        known - guess, and what K is applied to.
+    fields : (11, m) float
+        Direction, residual and the direction's image, of conjugate gradients; five potentials
+        and three recoveries, which take turns (``slots``). m is n rounded up to full groups.
+    vectors : (m,) complex
+        What M and A are applied to, in the place of residual and image, which come later.
     active : (n,) uint8
         1 where the reaction acts.
     current : (n,) or (0,) float
@@ -91,7 +94,7 @@ class Work(NamedTuple):
     """
 
     fields: Floats
-    vectors: Floats
+    vectors: NDArray[np.complex128]
     active: NDArray[np.uint8]
     current: Floats
     sums: Floats
@@ -118,21 +121,29 @@ def make_work(arrangement: Arrangement, active: NDArray[np.bool_], watch: Ints, 
     most : int
         The most steps of a stride.
     """
-    n, blocks = len(arrangement.vertex), len(arrangement.rows.blocks) - 1
+    n, blocks = len(arrangement.vertex), len(arrangement.rows.extents) - 1
+    fields = _lined_up(FIRST_STATE + 8, arrangement.rows.nodal.shape[1])
     return Work(
-        fields=np.zeros((12, n)),
-        vectors=np.zeros((n, 2)),
+        fields=fields,
+        vectors=fields[R : Q + 1].ravel().view(np.complex128),
         active=active[arrangement.vertex].astype(np.uint8),
         current=np.zeros(0),
         sums=np.zeros((blocks, 9)),
         slots=FIRST_SLOTS.copy(),
         guess=np.zeros(4),
-        watch=arrangement.row[watch],
+        watch=arrangement.row[watch].astype(np.int64),
         watched=np.zeros((most, 2, len(watch))),
         crossings=np.zeros((LEAST_CROSSINGS + n // 16, 3)),
         report=np.zeros(7, dtype=np.int64),
         reals=np.zeros(3),
     )
+
+
+def _lined_up(rows: int, columns: int) -> Floats:
+    """Return zeros that begin where a line of the cache does."""
+    spare = np.zeros(rows * columns + LINE)
+    begin = -spare.ctypes.data // spare.itemsize % LINE
+    return spare[begin : begin + rows * columns].reshape(rows, columns)
 
 
 def scar_of(operators: Operators, arrangement: Arrangement) -> Scar:
@@ -145,7 +156,8 @@ def scar_of(operators: Operators, arrangement: Arrangement) -> Scar:
     scale = operators.mass.diagonal().max()
     rows = np.repeat(np.arange(passive.shape[0]), np.diff(passive.indptr))
     kept = (np.abs(passive.data) > 1e-13 * scale) & operators.excitable_nodes[passive.indices]
-    rows, columns = arrangement.row[rows[kept]], arrangement.row[passive.indices[kept]]
+    row = arrangement.row.astype(np.int64)
+    rows, columns = row[rows[kept]], row[passive.indices[kept]]
     order = np.lexsort((columns, rows))
     found, count = np.unique(rows, return_counts=True)
     start = np.concatenate(([0], np.cumsum(count))).astype(np.int64)

@@ -1,0 +1,239 @@
+"""How near the compiled march comes to what the core's memory can do: ``make roofline``.
+
+Counts the bytes of every pass of a step from the arrays themselves, marches a train of waves over
+sheets of 10^4 to 10^6 nodes, and compares with copying in the level of the memory that the arrays
+fit into. Also: two threads against one, and the memory that a march takes. Prints a table and
+writes benchmarks/results/roofline.json.
+"""
+
+import json
+import os
+import platform
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from sheets import operators_of, sheet
+
+from cardiosurf.fem.operators import Operators
+from cardiosurf.kinetics import RogersMcCulloch
+from cardiosurf.stepping.compiled.engine import Engine
+from cardiosurf.stepping.schemes import SCHEMES
+
+HERE = Path(__file__).parent
+RESULT = HERE / "results" / "roofline.json"
+NODES = (10_000, 40_000, 160_000, 1_000_000)
+THREADED, HELD = 100_000, 160_000
+EDGE, STEP, TOLERANCE = 2.0, 1.0, 1e-7
+SECONDS = 6.0
+FIXED = 3.0
+"""Iterations a step that costs are compared at."""
+
+
+def cache(index: int, default: int) -> int:
+    """Return the size of a cache, in bytes."""
+    path = Path(f"/sys/devices/system/cpu/cpu0/cache/index{index}/size")
+    return int(path.read_text().strip().rstrip("K")) * 1024 if path.exists() else default
+
+
+LEVELS = {"L2": cache(2, 2**20), "L3": cache(3, 2**25)}
+
+
+def level(size: float) -> str:
+    """Return the level of the memory that a working set lies in."""
+    return next((name for name, room in LEVELS.items() if size <= room), "DRAM")
+
+
+def copying() -> dict[str, float]:
+    """Return the bandwidth of copying, bytes read and written, in each level, in GB/s."""
+    sizes = {"L2": LEVELS["L2"] // 2, "L3": LEVELS["L3"] // 2, "DRAM": 16 * LEVELS["L3"]}
+    found = {}
+    for name, size in sizes.items():
+        source, target = np.ones((2, size // 16))
+        repeats = max(1, 2**24 // size)
+        took = []
+        for _ in range(100 if name != "DRAM" else 20):
+            begun = perf_counter()
+            for _ in range(repeats):
+                np.copyto(target, source)
+            took.append((perf_counter() - begun) / repeats)
+        found[name] = 2 * source.nbytes / min(took) / 1e9
+    return found
+
+
+def passes(engine: Engine) -> dict[str, float]:
+    """Return the bytes a node that each pass of a step reads and writes (sbdf2, no current)."""
+    rows, work = engine._arrangement.rows, engine._work
+    n = len(engine._arrangement.vertex)
+    number = work.fields.itemsize
+    entries, start = len(rows.columns) / n, rows.start.nbytes / n
+    columns = rows.columns.itemsize * entries + start
+    mass, system = (values.itemsize * entries for values in (rows.mass, rows.system))
+    return {
+        # u0 u1 u2 u3 v0 v1, D^1/2, scale, active in; guess, v, the two of ``vectors`` out
+        "prepare": 12 * number + work.active.itemsize,
+        # both matrices, their columns, the vectors, the diagonal in; the direction out
+        "residual": mass + system + columns + 4 * number,
+        # the matrix, its columns, p in, q out; r from the second iteration on
+        "first multiply": system + columns + 2 * number,
+        "multiply": system + columns + 3 * number,
+        # p, r, q, u, D^-1/2 in; p, r, u out
+        "update": 8 * number,
+        # p, u, D^-1/2, the state before in; u out
+        "finish": 5 * number,
+    }
+
+
+def of_a_step(each: dict[str, float], iterations: float) -> float:
+    """Return the bytes a node of a step with so many iterations."""
+    more = max(iterations - 1.0, 0.0)
+    once = each["prepare"] + each["residual"] + each["finish"]
+    first = min(iterations, 1.0) * each["first multiply"]
+    return once + first + more * (each["multiply"] + each["update"])
+
+
+def held(engine: Engine) -> float:
+    """Return the bytes that a step works on."""
+    rows, work = engine._arrangement.rows, engine._work
+    return sum(a.nbytes for a in rows) + work.fields.nbytes + work.active.nbytes
+
+
+def waves(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return two equal states with a front every 100 su."""
+    near = np.abs(points[:, 0] % 100.0 - 20.0) - 8.0
+    u = 1.0 / (1.0 + np.exp(np.clip(near / 1.5, -99.0, 99.0)))
+    state = np.array((u, np.zeros_like(u)))
+    return state, state
+
+
+def marched(points: np.ndarray, operators: Operators, threads: int) -> tuple[Engine, list]:
+    """March the waves for some seconds; return the engine and (seconds, iterations) a step."""
+    engine = Engine(
+        operators,
+        RogersMcCulloch(),
+        SCHEMES["sbdf2"],
+        tolerance=TOLERANCE,
+        watch=np.zeros(0, dtype=np.int64),
+        threads=threads,
+    )
+    engine.load(waves(points))
+    count = int(np.clip(2e5 / len(points), 4, 64))
+    time, found, begun = 0.0, [], perf_counter()
+    while len(found) < 12 or (perf_counter() - begun < SECONDS and time < 400.0):
+        leg = engine.go(time + STEP * np.arange(count + 1), STEP, None, pending=True)
+        time += STEP * leg.steps
+        # the first strides find their way from the made-up state
+        if time > 10.0 * STEP:
+            found.append((leg.marching / leg.steps, leg.iterations / leg.steps))
+    return engine, found
+
+
+def measure(nodes: int, copy: dict[str, float]) -> dict[str, float | str | int]:
+    """Return what a step costs on a sheet of about so many nodes."""
+    points, triangles = sheet(nodes, EDGE)
+    operators = operators_of(points, triangles)
+    n = len(points)
+    neighbours = np.diff(operators.stiffness.indptr) - 1
+    engine, found = marched(points, operators, 1)
+    each = passes(engine)
+    seconds, iterations = min(found, key=lambda f: f[0] / of_a_step(each, f[1]))
+    size, where = held(engine), level(held(engine))
+    size_of_step = of_a_step(each, iterations)
+    speed = size_of_step * n / seconds / 1e9
+    return {
+        "nodes": n,
+        "with six neighbours": float((neighbours == 6).mean()),
+        "ns a node and step": seconds / n * 1e9,
+        "iterations a step": iterations,
+        "bytes a node and step": size_of_step,
+        "ns a node at 3 iterations": seconds / n * 1e9 * of_a_step(each, FIXED) / size_of_step,
+        "GB/s": speed,
+        "working set, MB": size / 1e6,
+        "level": where,
+        "share of the bound": speed / copy[where],
+        "bytes a node of each pass": each,
+    }
+
+
+def threads_ratio() -> dict[str, float]:
+    """Return how much sooner two threads have done a step than one."""
+    points, triangles = sheet(THREADED, EDGE)
+    operators = operators_of(points, triangles)
+    best = {k: min(f[0] for f in marched(points, operators, k)[1]) for k in (1, 2)}
+    # what the machine gives at all: its cores may share arithmetic, caches and memory
+    with ThreadPoolExecutor(2) as pool:
+        both = [pool.submit(marched, points, operators, 1) for _ in range(2)]
+        apart = [np.median([f[0] for f in march.result()[1]]) for march in both]
+    return {
+        "nodes": len(points),
+        "one, ms": 1e3 * best[1],
+        "two, ms": 1e3 * best[2],
+        "ratio": best[1] / best[2],
+        "ratio of two marches at once": float(2.0 * best[1] / np.mean(apart)),
+    }
+
+
+def memory() -> dict[str, float]:
+    """Return the memory of a march, measured in a process of its own."""
+    done = subprocess.run(
+        [sys.executable, str(HERE / "memory.py"), str(HELD)],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    return json.loads(done.stdout)
+
+
+def main() -> None:
+    cores = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(cores)})
+    copy = copying()
+    print("copying, GB/s:", ", ".join(f"{k} {v:.0f}" for k, v in copy.items()))
+    sizes = []
+    for nodes in NODES:
+        found = measure(nodes, copy)
+        if not sizes:
+            each = found["bytes a node of each pass"]
+            print("bytes a node:", ", ".join(f"{k} {v:.0f}" for k, v in each.items()))
+            print("   nodes  ns/node  iterations  at 3  GB/s     MB  level  share")
+        sizes.append(found)
+        print(
+            f"{found['nodes']:8} {found['ns a node and step']:8.1f}"
+            f" {found['iterations a step']:11.2f} {found['ns a node at 3 iterations']:5.1f}"
+            f" {found['GB/s']:5.0f} {found['working set, MB']:6.1f}  {found['level']:5}"
+            f" {100 * found['share of the bound']:5.0f} %",
+            flush=True,
+        )
+    costs = [found["ns a node at 3 iterations"] for found in sizes]
+    growth = costs[-1] / costs[0]
+    print(f"cost from 10^4 to 10^6 nodes, at equal iterations: {growth:.2f} times")
+    os.sched_setaffinity(0, cores)
+    threads = threads_ratio() if len(cores) > 1 else {}
+    if threads:
+        print(f"two threads at {threads['nodes']} nodes: {threads['ratio']:.2f} times one")
+        alone = threads["ratio of two marches at once"]
+        print(f"  (two marches of their own at once: {alone:.2f} times)")
+    taken = memory()
+    print(f"memory of a march, bytes a node: {taken['peak']:.0f} at its peak,")
+    print(f"  of which matrices {taken['matrices']:.0f}, compiled march {taken['engine']:.0f}")
+    RESULT.parent.mkdir(exist_ok=True)
+    record = {
+        "date": datetime.now(UTC).date().isoformat(),
+        "machine": f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores",
+        "versions": {name: version(name) for name in ("numpy", "scipy", "numba", "scikit-fem")},
+        "copying, GB/s": copy,
+        "sizes": sizes,
+        "growth": growth,
+        "threads": threads,
+        "memory": taken,
+    }
+    RESULT.write_text(json.dumps(record, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
