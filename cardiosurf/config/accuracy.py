@@ -25,6 +25,9 @@ ACROSS = 2.2e-3
 diffusivities, d the smaller one. Meshes whose triangles are equilateral whatever the tissue let
 diffusion along the fibres leak into that across them."""
 
+ACROSS_A_SHAPE = 4.0
+"""How many edges a shape spans in any direction at least."""
+
 # edges that are easily read, no two neighbours further apart than a quarter
 TIDY_EDGES = (1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0)
 
@@ -105,7 +108,8 @@ def edge_choice(config: "Config", anisotropy: float = 0.0) -> EdgeChoice:
 
         A (h / sqrt(d / rate))^p + 0.0022 rate h^2 <(ratio - 1) / d>
 
-    with d the smallest diffusivity anywhere, rate that of the reaction (a front rises over
+    and of which four span the shape in any direction;
+    d is the smallest diffusivity anywhere, rate that of the reaction (a front rises over
     1.3 sqrt(d / rate)), and the mean over the area of (ratio - 1) over the local smaller d.
 
     Parameters
@@ -126,7 +130,12 @@ def edge_choice(config: "Config", anisotropy: float = 0.0) -> EdgeChoice:
     asked = config.mesh.edge_length
     if asked != "auto":
         return EdgeChoice(asked, f"asked for: LAT error {expected(asked):.2%}", expected(asked))
-    good = [edge for edge in tidy_edges() if expected(edge) <= SHARE * config.accuracy]
+    longest = min(config.geometry.extents().values()) / ACROSS_A_SHAPE
+    good = [
+        edge
+        for edge in tidy_edges()
+        if edge <= longest and expected(edge) <= SHARE * config.accuracy
+    ]
     edge = max(good, default=SHORTEST_EDGE)
     reason = f"fronts rise over {1.3 * width:.2g} su at least: LAT error {expected(edge):.2%}"
     return EdgeChoice(edge, reason, expected(edge))

@@ -76,6 +76,11 @@ def test_edges_go_with_the_width_of_a_front():
     assert edge_choice(config("mesh: {edge_length: 4}\n")).edge_length == 4.0
 
 
+def test_small_shapes_are_spanned_by_four_edges():
+    small = PLANE.replace("y: [-50, 50]", "y: [0, 4]")
+    assert edge_choice(load_text(small, "a.yaml").config).edge_length == 1.0
+
+
 def test_the_smallest_diffusivity_counts():
     patches = """
 tissue:
