@@ -6,7 +6,7 @@ PEERS  := .venv-peers
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help install run test test-slow bench bench-peers check format clean
+.PHONY: help install run test test-slow bench roofline check format clean
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -30,22 +30,24 @@ test: $(STAMP)  ## the everyday tests, under 3 minutes
 test-slow: $(STAMP)  ## convergence and regression suites
 	$(BIN)/python -m pytest -m slow -n 2
 
-bench: $(STAMP)  ## time the everyday things, write benchmarks/README.md
-	$(BIN)/python benchmarks/everyday.py
-
-bench-peers: $(STAMP) $(PEERS)/.installed  ## time to 1, 0.5, 0.1 % of LAT against other codes (an hour)
+bench: $(STAMP) $(PEERS)/.installed  ## time everything, other codes too; write benchmarks/README.md
 	@/usr/bin/python3 -c "import dolfinx" 2>/dev/null || \
 		echo "FEniCSx is left out: on Debian, apt-get install python3-dolfinx brings it"
-	$(BIN)/python benchmarks/compare.py
+	$(BIN)/python benchmarks/everyday.py
+	$(BIN)/python benchmarks/accuracy.py
+	$(BIN)/python benchmarks/roofline.py
+	$(BIN)/python benchmarks/compare.py --core 0
+	$(BIN)/python benchmarks/page.py
+
+roofline: $(STAMP)  ## how near the march comes to the machine's bounds
+	$(BIN)/python benchmarks/roofline.py
+	$(BIN)/python benchmarks/page.py
 
 # the peers' pins contradict ours (numpy), so they have an environment of their own
 $(PEERS)/.installed: benchmarks/peers/requirements.txt
 	test -x $(PEERS)/bin/python || $(PYTHON) -m venv $(PEERS)
 	$(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check --requirement $<
 	touch $@
-
-roofline: $(STAMP)  ## the march against the memory's bandwidth, threads and memory
-	$(BIN)/python benchmarks/roofline.py
 
 check: $(STAMP)  ## ruff, mypy --strict, import-linter
 	$(BIN)/ruff check .

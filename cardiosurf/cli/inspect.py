@@ -112,8 +112,6 @@ def schema(what: str) -> None:
 
 def _contents(loaded: Loaded) -> str:
     """Return one line about what a config holds."""
-    from cardiosurf.config.accuracy import edge_choice
-
     config = loaded.config
     counts = (
         (len(config.tissue.patches), "patch", "patches"),
@@ -121,20 +119,20 @@ def _contents(loaded: Loaded) -> str:
         (len(config.targets), "target", "targets"),
     )
     listed = ", ".join(f"{count} {one if count == 1 else many}" for count, one, many in counts)
-    edge = edge_choice(config).edge_length
-    return f"{config.name}: {config.geometry.kind}, edges {edge:g} su, {listed}"
+    edge = config.mesh.edge_length
+    edges = "automatic edges" if edge == "auto" else f"edges {edge:g} su"
+    return f"{config.name}: {config.geometry.kind}, {edges}, {listed}"
 
 
 def _surface(loaded: Loaded) -> Surface:
     """Build the surface of a config; its errors name file and line."""
     from cardiosurf.config import regions_of
-    from cardiosurf.config.accuracy import edge_choice
+    from cardiosurf.study.edges import edge_of
     from cardiosurf.study.surface_cache import surface_of
 
     config = loaded.config
     with loaded.naming_lines():
-        edge = edge_choice(config).edge_length
-        return surface_of(config.geometry, edge, regions_of(config))
+        return surface_of(config.geometry, edge_of(config).edge_length, regions_of(config))
 
 
 def _built(loaded: Loaded) -> str:
@@ -150,11 +148,11 @@ def _built(loaded: Loaded) -> str:
 
 def _report(loaded: Loaded, surface: Surface) -> list[str]:
     """Return the quality of a mesh, and the area of each part and region, as lines of text."""
-    from cardiosurf.config.accuracy import edge_choice
     from cardiosurf.geometry.quality import quality
+    from cardiosurf.study.edges import edge_of
 
     q = quality(surface)
-    wanted = edge_choice(loaded.config).edge_length
+    wanted = edge_of(loaded.config).edge_length
     rows = [
         ("vertices, triangles, edges", f"{q.vertices}, {q.triangles}, {q.edges}", ""),
         ("smallest, largest angle", f"{q.smallest_angle:.1f}, {q.largest_angle:.1f} degrees", ""),

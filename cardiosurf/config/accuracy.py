@@ -1,6 +1,5 @@
 """How accurate a run is to be, and the mesh edges that this takes."""
 
-import math
 import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
@@ -14,12 +13,20 @@ from cardiosurf.tissue.patches import TissueSection, factors_of
 if TYPE_CHECKING:
     from cardiosurf.config.sections import Config
 
-SHARE = 0.3
+SHARE = 0.5
 """The part of the accuracy that is left to the mesh; the rest is the time step's."""
 
-# relative LAT error = A (h / sqrt(d / rate))^p for edges h: the largest A measured on the shipped
-# configs (docs/numerics.md), with the error's order for each mass
-EDGE_ERRORS = {"blended": (1.3e-3, 4.0), "lumped": (1.2e-2, 2.0), "consistent": (1.2e-2, 2.0)}
+# relative LAT error of edges h in isotropic tissue = A (h / sqrt(d / rate))^p, A and p by mass: the
+# largest A measured on planes and spheres (docs/numerics.md)
+EDGE_ERRORS = {"blended": (5e-4, 4.0), "lumped": (1.2e-2, 2.0), "consistent": (1.2e-2, 2.0)}
+
+ACROSS = 2.2e-3
+"""More of it in a wave across fibres, per (ratio - 1) rate h^2 / d: the ratio of the two
+diffusivities, d the smaller one. Meshes whose triangles are equilateral whatever the tissue let
+diffusion along the fibres leak into that across them."""
+
+ACROSS_A_SHAPE = 4.0
+"""How many edges a shape spans in any direction at least."""
 
 # edges that are easily read, no two neighbours further apart than a quarter
 TIDY_EDGES = (1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0)
@@ -94,37 +101,50 @@ class EdgeChoice:
     lat_error: float
 
 
-def edge_choice(config: "Config") -> EdgeChoice:
+def edge_choice(config: "Config", anisotropy: float = 0.0) -> EdgeChoice:
     """Return the mesh edges of a config: those asked for, or what ``auto`` stands for.
 
-    ``auto`` is the longest tidy edge h with A (h / sqrt(d / rate))^p <= 0.3 accuracy, d the
-    smallest diffusivity anywhere and rate that of the reaction: the length over which a front
-    rises is 1.3 sqrt(d / rate).
+    ``auto`` is the longest tidy edge h whose expected error is at most half the accuracy:
+
+        A (h / sqrt(d / rate))^p + 0.0022 rate h^2 <(ratio - 1) / d>
+
+    and of which four span the shape in any direction;
+    d is the smallest diffusivity anywhere, rate that of the reaction (a front rises over
+    1.3 sqrt(d / rate)), and the mean over the area of (ratio - 1) over the local smaller d.
 
     Parameters
     ----------
     config : Config
         A decoded config whose sections are right by themselves.
+    anisotropy : float
+        That mean, in tu/su^2; 0 leaves the second term out.
     """
     coefficient, order = EDGE_ERRORS[config.mesh.mass]
-    width = (smallest_diffusivity(config.tissue) / reaction_rate(config.kinetics)) ** 0.5
+    rate = reaction_rate(config.kinetics)
+    width = (smallest_diffusivity(config.tissue) / rate) ** 0.5
 
     def expected(edge: float) -> float:
-        return float(coefficient * (edge / width) ** order)
+        across = ACROSS * rate * edge**2 * anisotropy
+        return float(coefficient * (edge / width) ** order + across)
 
     asked = config.mesh.edge_length
     if asked != "auto":
         return EdgeChoice(asked, f"asked for: LAT error {expected(asked):.2%}", expected(asked))
-    largest = width * (SHARE * config.accuracy / coefficient) ** (1.0 / order)
-    edge = min(max(tidy(largest), SHORTEST_EDGE), LONGEST_EDGE)
+    longest = min(config.geometry.extents().values()) / ACROSS_A_SHAPE
+    good = [
+        edge
+        for edge in tidy_edges()
+        if edge <= longest and expected(edge) <= SHARE * config.accuracy
+    ]
+    edge = max(good, default=SHORTEST_EDGE)
     reason = f"fronts rise over {1.3 * width:.2g} su at least: LAT error {expected(edge):.2%}"
     return EdgeChoice(edge, reason, expected(edge))
 
 
-def tidy(largest: float) -> float:
-    """Return the longest tidy edge that is not longer than another, in su."""
-    decade = 10.0 ** math.floor(math.log10(largest))
-    return float(f"{max(edge for edge in TIDY_EDGES if edge * decade <= largest) * decade:g}")
+def tidy_edges() -> list[float]:
+    """Return all tidy edges that a config may ask for, in su."""
+    every = (float(f"{edge * 10.0**power:g}") for power in (-1, 0, 1) for edge in TIDY_EDGES)
+    return [edge for edge in every if SHORTEST_EDGE <= edge <= LONGEST_EDGE]
 
 
 def smallest_diffusivity(section: TissueSection) -> float:

@@ -12,7 +12,7 @@ from cardiosurf.stepping.stability import largest_stable
 ACCURACY = 0.005
 """Relative LAT error that a run stays below unless it is told otherwise."""
 
-SHARE = 0.7
+SHARE = 0.5
 """The part of the accuracy that is left to the time step; the rest is the mesh's."""
 
 # relative error of LAT = C (rate * dt)^order: the largest C measured on planar waves of different
@@ -54,7 +54,7 @@ def reaction_rate(kinetics: Kinetics) -> float:
 
 
 def auto_step(scheme: Scheme, kinetics: Kinetics, accuracy: float = ACCURACY) -> StepChoice:
-    """Return the largest tidy step with C (rate dt)^order <= 0.7 accuracy.
+    """Return the largest tidy step with C (rate dt)^order <= 0.5 accuracy.
 
     C is the measured coefficient of the scheme (docs/numerics.md), rate that of the reaction.
 

@@ -10,6 +10,7 @@ from cardiosurf.fem.operators import assemble
 from cardiosurf.geometry.surface import Surface
 from cardiosurf.stepping.controls import Controls, Execution, decide
 from cardiosurf.stepping.march import Problem
+from cardiosurf.study.edges import anisotropy, edge_of
 from cardiosurf.study.surface_cache import surface_of
 from cardiosurf.tissue.stimuli import Pulse, build_pulses
 from cardiosurf.tissue.tensor import Tissue, build_tissue
@@ -64,9 +65,11 @@ def set_up(config: Config, execution: Execution | None = None) -> Setup:
         If a region is empty, a stimulus or an axis does not fit the surface, a target has no
         excitable tissue, ...
     """
-    edge = edge_choice(config)
+    edge = edge_of(config)
     surface = surface_of(config.geometry, edge.edge_length, regions_of(config))
     tissue = build_tissue(surface, config.tissue)
+    if config.mesh.edge_length != "auto":
+        edge = edge_choice(config, anisotropy(surface, tissue.tensor))
     pulses = build_pulses(surface, config.stimulus)
     check_targets(config, surface, tissue)
     operators = assemble(

@@ -110,7 +110,7 @@ def test_a_full_disk_leaves_the_finished_run_and_the_march(
     assert not (out / ".partial").exists()
 
 
-LONG = ("--set", "mesh.edge_length=1.5", "--set", "time.step=0.25")
+LONG = ("--set", "mesh.edge_length=0.4", "--set", "time.step=0.04")
 
 
 def interrupted(strip, out, number):
@@ -125,7 +125,7 @@ def interrupted(strip, out, number):
     deadline = time.monotonic() + 60
     while not (spool.exists() and spool.stat().st_size) and time.monotonic() < deadline:
         time.sleep(0.02)
-    time.sleep(0.3)
+    time.sleep(0.1)
     process.send_signal(number)
     _, stderr = process.communicate(timeout=60)
     return process.returncode, stderr

@@ -32,7 +32,8 @@ def reference():
 def test_auto_step_is_accurate_and_not_needlessly_small(name, reference):
     kinetics = RogersMcCulloch()
     assert lat_error(name, kinetics, 1.0, reference) < SHARE * ACCURACY
-    assert lat_error(name, kinetics, 2.0, reference) > SHARE * ACCURACY
+    # the rule must hold for the bistable front too, which is 2.5 times as sensitive
+    assert lat_error(name, kinetics, 2.5, reference) > SHARE * ACCURACY
 
 
 @pytest.mark.slow

@@ -1,11 +1,13 @@
 """The accuracy of a config, and the mesh edges that follow from it."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from cardiosurf.config.accuracy import (
+    ACROSS,
     EDGE_ERRORS,
     SHARE,
     TIDY_EDGES,
@@ -13,7 +15,7 @@ from cardiosurf.config.accuracy import (
     edge_choice,
     parse_accuracy,
     smallest_diffusivity,
-    tidy,
+    tidy_edges,
 )
 from cardiosurf.config.loader import load_text
 from cardiosurf.errors import InputError
@@ -67,11 +69,16 @@ def test_edges_go_with_the_width_of_a_front():
     usual = edge_choice(config()).edge_length
     slower = edge_choice(config("tissue: {diffusivity: 0.25}\n")).edge_length
     faster = edge_choice(config("kinetics: {c1: 1.04}\n")).edge_length
-    # half the width; tidy edges are at most a quarter apart
-    assert slower == faster == pytest.approx(usual / 2, rel=0.25)
+    # half the width; tidy edges are at most a third apart
+    assert slower == faster == pytest.approx(usual / 2, rel=0.34)
     lumped = edge_choice(config("mesh: {mass: lumped}\n"))
     assert lumped.edge_length < usual
     assert edge_choice(config("mesh: {edge_length: 4}\n")).edge_length == 4.0
+
+
+def test_small_shapes_are_spanned_by_four_edges():
+    small = PLANE.replace("y: [-50, 50]", "y: [0, 4]")
+    assert edge_choice(load_text(small, "a.yaml").config).edge_length == 1.0
 
 
 def test_the_smallest_diffusivity_counts():
@@ -91,7 +98,18 @@ tissue:
     assert smallest_diffusivity(without) == pytest.approx(0.6)
 
 
-def test_tidy_edges():
-    assert [tidy(edge) for edge in (0.13, 0.999, 1.0, 2.49, 9.9, 10.0, 17.4)] == [
-        0.125, 0.8, 1.0, 2.0, 8.0, 10.0, 15.0,
-    ]  # fmt: skip
+def test_tidy_edges_are_never_far_apart():
+    edges = tidy_edges()
+    assert (edges[0], edges[-1]) == (0.1, 50.0)
+    # so auto is at most a third shorter than it might be
+    assert max(b / a for a, b in pairwise(edges)) <= 4 / 3 + 1e-12
+
+
+def test_anisotropy_asks_for_shorter_edges():
+    given = config()
+    rate, accuracy = 0.2262, 0.005
+    choice = edge_choice(given, anisotropy=7.0)
+    # 0.0022 rate h^2 (8 - 1) alone, at d = 1, may take half the accuracy
+    bound = (SHARE * accuracy / (ACROSS * rate * 7.0)) ** 0.5
+    assert bound / 1.5 < choice.edge_length < bound
+    assert edge_choice(given, anisotropy=0.7).edge_length > choice.edge_length
