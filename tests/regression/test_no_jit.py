@@ -1,0 +1,36 @@
+"""The shipped configs in machine code and in NumPy: the same LAT and the same verdict."""
+
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cardiosurf.config import load
+from cardiosurf.recording.hdf5 import read_recording
+from cardiosurf.stepping.controls import Execution
+from cardiosurf.study.simulation import simulate
+
+CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
+
+
+def outcome(config, folder, *, jit):
+    loaded = load(config, ("mesh.edge_length=3", "record.frames_every=null"))
+    verdict = simulate(loaded, folder, execution=Execution(jit=jit, threads=1)).verdict
+    return verdict, read_recording(folder / "recording.h5", with_frames=False)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("config", CONFIGS, ids=[config.stem for config in CONFIGS])
+def test_machine_code_and_numpy_say_the_same(config, tmp_path):
+    ours, recording = outcome(config, tmp_path / "compiled", jit=True)
+    theirs, reference = outcome(config, tmp_path / "numpy", jit=False)
+    assert (recording.meta["engine"], reference.meta["engine"]) == ("compiled", "numpy")
+    assert ours.verdict == theirs.verdict
+    for one, other in zip(ours.targets, theirs.targets, strict=True):
+        assert (one.verdict, one.route) == (other.verdict, other.route)
+    assert asdict(ours.reentry)["verdict"] == asdict(theirs.reentry)["verdict"]
+    lat, expected = recording.first_activation, reference.first_activation
+    assert np.array_equal(np.isnan(lat), np.isnan(expected))
+    # rounding, and now and then an iteration of the solver, whose tolerance is 1e-7
+    assert lat == pytest.approx(expected, rel=1e-6, nan_ok=True)
