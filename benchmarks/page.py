@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from compare import table
-from results import read
+from results import machine, read
 from runners import CARDIOSURF, PEERS
 
 HERE = Path(__file__).resolve().parent
@@ -80,7 +80,9 @@ def everyday(found: dict[str, Any]) -> list[str]:
 def peers(found: dict[str, Any]) -> list[str]:
     """Return the comparison with other codes, and the bars."""
     lines = [
-        *head("Other codes", found),
+        *head("Other codes", machine()),
+        f"Versions: {versions(found)}.",
+        "",
         "Seconds of one core until the LAT map is within 1, 0.5 and 0.1 % (root mean square) of the",
         "converged one, time loop only (`compare.py`). *Cheapest* is the fastest run whose error is below the",
         "target, be it by errors that cancel; *assured* asks that the next finer mesh, the next shorter step",
@@ -97,6 +99,12 @@ def peers(found: dict[str, Any]) -> list[str]:
         cells = [ratio(found, problem, code, kind) for kind in ("cheapest", "assured")]
         lines.append(f"| {problem} | {TITLES[code]} | {bar:g} | {' | '.join(cells)} |")
     return lines
+
+
+def versions(found: dict[str, Any]) -> str:
+    """Return the codes that were measured, with their versions."""
+    known = {run["code"]: run["version"] for run in found["runs"] if "version" in run}
+    return ", ".join(f"{TITLES[code]} {known[code]}" for code in TITLES if code in known)
 
 
 def ratio(found: dict[str, Any], problem: str, code: str, kind: str) -> str:
