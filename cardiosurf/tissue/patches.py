@@ -122,19 +122,8 @@ def factors_of(patch: Patch) -> dict[str, float] | float:
     if patch.fibres is not None and isinstance(given, dict):
         _check_axes_of_fibres(given, f"{where}.{key}")
     for axis, factor in named.items():
-        at = f"{where}.{key}.{axis}".rstrip(".")
-        # written so that NaN is caught too
-        if not 0.0 < factor < float("inf"):
-            raise InputError(
-                at, f"{factor} makes a tensor that is not positive", "a finite number above 0"
-            )
         scaled = factor if patch.frame_scaling is None else factor * factor
-        if not SMALLEST <= scaled <= LARGEST:
-            raise InputError(
-                at,
-                f"{factor:g} is a factor of {scaled:g} on the diffusivity",
-                f"a factor from {SMALLEST:g} to {LARGEST:g} on the diffusivity",
-            )
+        _check_factor(factor, scaled, f"{where}.{key}.{axis}".rstrip("."))
     return given if patch.frame_scaling is None else _squared(patch)
 
 
@@ -163,6 +152,21 @@ def check_diffusivity(section: TissueSection) -> None:
                     f"a product from {SMALLEST:g} to {LARGEST:g}",
                     "a smaller factor, or another diffusivity",
                 )
+
+
+def _check_factor(factor: float, scaled: float, where: str) -> None:
+    """Refuse a number that makes no tensor; ``scaled`` is the factor on the diffusivity."""
+    # written so that NaN is caught too
+    if not 0.0 < factor < float("inf"):
+        raise InputError(
+            where, f"{factor} makes a tensor that is not positive", "a finite number above 0"
+        )
+    if not SMALLEST <= scaled <= LARGEST:
+        raise InputError(
+            where,
+            f"{factor:g} is a factor of {scaled:g} on the diffusivity",
+            f"a factor from {SMALLEST:g} to {LARGEST:g} on the diffusivity",
+        )
 
 
 def _check_axes_of_fibres(given: dict[str, float], where: str) -> None:
