@@ -15,14 +15,20 @@ WHOLE_TISSUE = "tissue"
 """Name of the target that stands in where a config has none."""
 
 
-def _excitable_vertex_areas(recording: Recording, areas: Floats) -> Floats:
+def excitable_vertex_areas(recording: Recording) -> Floats:
     """Return the excitable area that belongs to each vertex, (n,), in su^2."""
-    excitable = recording.tissue.excitable
+    excitable, areas = recording.tissue.excitable, recording.surface.areas()
     return np.bincount(
         recording.surface.triangles[excitable].ravel(),
         weights=np.repeat(areas[excitable] / 3.0, 3),
         minlength=recording.node_count,
     ).astype(np.float64)
+
+
+def still_active(recording: Recording) -> bool:
+    """Return whether any tissue was above u = 0.5 when the run ended."""
+    repolarised = recording.repolarisations.count(recording.node_count)
+    return bool((recording.activation_count > repolarised).any() and recording.quiescent_at is None)
 
 
 def _target_masks(recording: Recording) -> dict[str, Mask]:
@@ -58,12 +64,9 @@ def judge_recording(recording: Recording) -> Verdict:
         target_finding(name, activation, inside, areas)
         for name, inside in _target_masks(recording).items()
     )
-    active = bool(
-        (recording.activation_count > recording.repolarisations.count(count)).any()
-        and recording.quiescent_at is None
-    )
+    active = still_active(recording)
     reentry = reentry_finding(
-        waves, _excitable_vertex_areas(recording, areas), end=recording.end_time, active=active
+        waves, excitable_vertex_areas(recording), end=recording.end_time, active=active
     )
     # while tissue is still active the question is open, and nothing speaks against the stimulus
     has_left = any(stimuli.captured) or active

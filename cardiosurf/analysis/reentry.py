@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 
+from cardiosurf.analysis.cycles import CycleLength, activated_shares, find_returns
 from cardiosurf.analysis.waves import Waves
 from cardiosurf.arrays import Floats
 
@@ -27,11 +28,20 @@ class ReentryFinding:
         The largest number of activations of any vertex.
     cycle_length : float or None
         Median time between successive activations of a vertex by the same beat, in tu.
+    cycle_length_spread : float or None
+        From the 5th to the 95th percentile of these times, in tu.
+    last_reactivation : float or None
+        When tissue was last activated again by the same beat, in tu.
+    activated_shares : tuple of float
+        Shares of the excitable area that were activated 0, 1, 2, ... times, by whatever beat.
     """
 
     verdict: ReentryVerdict
     max_activations: int
     cycle_length: float | None
+    cycle_length_spread: float | None = None
+    last_reactivation: float | None = None
+    activated_shares: tuple[float, ...] = ()
 
 
 def reentry_finding(
@@ -51,12 +61,13 @@ def reentry_finding(
         Whether any tissue was above u = 0.5 then.
     """
     most = int(np.bincount(waves.nodes).max(initial=0))
-    order = np.lexsort((waves.times, waves.beats, waves.nodes))
-    nodes, beats, times = waves.nodes[order], waves.beats[order], waves.times[order]
-    again = np.flatnonzero((nodes[1:] == nodes[:-1]) & (beats[1:] == beats[:-1])) + 1
-    area = vertex_areas[np.unique(nodes[again])].sum()
-    if not again.size or area < REENTRY_AREA * vertex_areas.sum():
-        return ReentryFinding("none", most, None)
-    cycle = float(np.median(times[again] - times[again - 1]))
-    going_on = active and float(times[again].max()) >= end - 2.0 * cycle
-    return ReentryFinding("sustained" if going_on else "transient", most, cycle)
+    shares = activated_shares(waves.nodes, vertex_areas)
+    returns = find_returns(waves)
+    area = vertex_areas[np.unique(returns.nodes)].sum()
+    if not len(returns.times) or area < REENTRY_AREA * vertex_areas.sum():
+        return ReentryFinding("none", most, None, activated_shares=shares)
+    cycle = CycleLength.of(returns.cycles)
+    last = float(returns.times.max())
+    going_on = active and cycle.median is not None and last >= end - 2.0 * cycle.median
+    verdict: ReentryVerdict = "sustained" if going_on else "transient"
+    return ReentryFinding(verdict, most, cycle.median, cycle.spread, last, shares)

@@ -26,12 +26,15 @@ def finding(waves, *, end=1000.0, active=False):
 
 
 def test_one_wave_is_no_reentry():
-    assert finding(activations(1, 0.0, same_beat=True)) == ReentryFinding("none", 1, None)
+    found = finding(activations(1, 0.0, same_beat=True))
+    assert found == ReentryFinding("none", 1, None, activated_shares=(0.0, 1.0))
 
 
 def test_a_wave_that_comes_back_and_goes_on_is_sustained_with_its_cycle():
     found = finding(activations(5, 210.0, same_beat=True), end=1100.0, active=True)
-    assert found == ReentryFinding("sustained", 5, 210.0)
+    # node 399 begins at 199.5 and is activated four times more
+    shares = (0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    assert found == ReentryFinding("sustained", 5, 210.0, 0.0, 199.5 + 4 * 210.0, shares)
 
 
 def test_a_wave_that_came_back_and_died_is_transient():
@@ -39,7 +42,9 @@ def test_a_wave_that_came_back_and_died_is_transient():
 
 
 def test_paced_beats_are_not_reentry():
-    assert finding(activations(4, 300.0, same_beat=False)) == ReentryFinding("none", 4, None)
+    found = finding(activations(4, 300.0, same_beat=False))
+    assert (found.verdict, found.max_activations) == ("none", 4)
+    assert (found.cycle_length, found.last_reactivation) == (None, None)
 
 
 def test_the_cycle_leaves_out_pacing_intervals():
@@ -48,7 +53,8 @@ def test_the_cycle_leaves_out_pacing_intervals():
     times = np.tile([0.0, 300.0, 550.0, 800.0], NODES)
     beats = np.tile([0, 1, 1, 1], NODES)
     found = finding(Waves(nodes, times, beats, beats), active=True)
-    assert found == ReentryFinding("sustained", 4, 250.0)
+    assert (found.cycle_length, found.cycle_length_spread) == (250.0, 0.0)
+    assert (found.max_activations, found.last_reactivation) == (4, 800.0)
 
 
 def test_a_few_vertices_are_not_reentry():
@@ -61,7 +67,8 @@ def test_a_few_vertices_are_not_reentry():
 
 def test_no_activation_at_all():
     nothing = np.empty(0, dtype=int)
-    assert finding(Waves(nothing, np.empty(0), nothing, nothing)) == ReentryFinding("none", 0, None)
+    found = finding(Waves(nothing, np.empty(0), nothing, nothing))
+    assert found == ReentryFinding("none", 0, None, activated_shares=(1.0,))
 
 
 def test_capture_needs_a_wave_that_leaves_the_stimulus():
