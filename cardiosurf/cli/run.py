@@ -10,6 +10,7 @@ import click
 
 if TYPE_CHECKING:
     from cardiosurf.analysis.verdict import Verdict
+    from cardiosurf.recording.recording import Recording
 
 OVERRIDE_HELP = "Change one key: a.b.c=value; list items by number or by their name."
 
@@ -88,15 +89,41 @@ def run(
 
 @click.command()
 @click.argument("recording", type=click.Path(path_type=Path))
-@click.option("--json", "as_json", is_flag=True, help="Print the verdict as JSON.")
-def analyze(recording: Path, *, as_json: bool) -> None:
-    """Judge a recording again and print its verdict.
+@click.option(
+    "--reentry",
+    "with_reentry",
+    is_flag=True,
+    help="Print cycle lengths, the circuit and phase singularities instead of the verdict.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+def analyze(recording: Path, *, with_reentry: bool, as_json: bool) -> None:
+    r"""Judge a recording again and print its verdict.
 
     RECORDING is a recording.h5 or a run's folder that holds one. Nothing is written.
+
+    \b
+    Examples:
+      cardiosurf analyze runs/t-domain-head-on
+      cardiosurf analyze runs/spiral --reentry
     """
     from cardiosurf.analysis.findings import judge_recording
     from cardiosurf.recording.hdf5 import read_recording
 
     path = recording / "recording.h5" if recording.is_dir() else recording
-    read = read_recording(path, with_frames=False)
-    _show(judge_recording(read), [], as_json=as_json)
+    read = read_recording(path, with_frames=with_reentry)
+    if with_reentry:
+        _show_reentry(read, as_json=as_json)
+    else:
+        _show(judge_recording(read), [], as_json=as_json)
+
+
+def _show_reentry(read: Recording, *, as_json: bool) -> None:
+    from cardiosurf.analysis.rotation import analyse_reentry
+    from cardiosurf.analysis.rotation_json import reentry_json
+    from cardiosurf.report.reentry_summary import reentry_lines
+
+    analysis = analyse_reentry(read)
+    if as_json:
+        click.echo(json.dumps(reentry_json(analysis)))
+    else:
+        click.echo("\n".join(reentry_lines(analysis)))

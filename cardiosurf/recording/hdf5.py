@@ -79,7 +79,8 @@ def read_recording(path: Path, *, with_frames: bool = True) -> Recording:
     path : Path
         A file that ``write_recording`` wrote.
     with_frames : bool
-        Whether the frames are read too; they are most of the file.
+        Whether the frames are there too; they are most of the file, and read from it as they are
+        used.
 
     Raises
     ------
@@ -286,7 +287,16 @@ def _read_events(file: h5py.File, group: str) -> Events:
 
 def _read_frames(file: h5py.File) -> FrameSeries:
     times: Floats = file["frames/times"][()]
-    return FrameSeries(times=times, u=file["frames/u"][()], v=file["frames/v"][()])
+    return FrameSeries(times=times, u=_mapped(file["frames/u"]), v=_mapped(file["frames/v"]))
+
+
+def _mapped(dataset: h5py.Dataset) -> NDArray[np.float32]:
+    """Return a dataset, left in the file where it lies there in one piece: it may exceed memory."""
+    offset = dataset.id.get_offset()
+    if offset is None:
+        whole: NDArray[np.float32] = dataset[()]
+        return whole
+    return np.memmap(dataset.file.filename, dataset.dtype, "r", offset, dataset.shape)
 
 
 def _read_pulses(file: h5py.File) -> tuple[Pulse, ...]:
