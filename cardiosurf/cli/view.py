@@ -23,7 +23,7 @@ from cardiosurf.errors import InputError
     help="May be given several times; png and svg unless given.",
 )
 def plot(recording: Path, output: Path | None, formats: tuple[str, ...]) -> None:
-    r"""Draw activation maps with isochrones and probe traces.
+    r"""Draw activation maps with isochrones, probe traces and the circuit of reentry.
 
     RECORDING is a recording.h5 or the folder of a run. Prints the files it wrote.
 
@@ -33,18 +33,21 @@ def plot(recording: Path, output: Path | None, formats: tuple[str, ...]) -> None
       cardiosurf plot runs/plane-block/recording.h5 -o figures --format svg
     """
     from cardiosurf.analysis.findings import judge_recording
+    from cardiosurf.analysis.rotation import analyse_reentry
     from cardiosurf.recording.hdf5 import read_recording
 
     path = recording_file(recording)
-    read = read_recording(path, with_frames=False)
+    read = read_recording(path)
     # matplotlib takes longer to import than a wrong path takes to be found
     from cardiosurf.report.canvas import FORMATS
     from cardiosurf.report.caption import verdict_caption
     from cardiosurf.report.figures import plot_all
 
-    caption = verdict_caption(judge_recording(read))
+    verdict = judge_recording(read)
+    caption = verdict_caption(verdict)
+    reentry = None if verdict.reentry.verdict == "none" else analyse_reentry(read)
     folder = path.parent if output is None else output
-    for written in plot_all(read, folder, formats or FORMATS, caption=caption):
+    for written in plot_all(read, folder, formats or FORMATS, caption=caption, reentry=reentry):
         click.echo(written)
 
 

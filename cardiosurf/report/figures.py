@@ -1,6 +1,6 @@
 """The figures of a recording: activation maps, the unrolled vein, probe traces."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +10,13 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, Normalize
 from matplotlib.figure import Figure
 
+from cardiosurf.analysis.rotation import ReentryAnalysis
 from cardiosurf.arrays import Floats
 from cardiosurf.errors import InputError
 from cardiosurf.recording.recording import THRESHOLD, Recording
 from cardiosurf.report import layers
 from cardiosurf.report.canvas import FORMATS, INK, new_figure, save
+from cardiosurf.report.reentry_map import reentry_map
 from cardiosurf.report.solid import draw_solid, triangle_colours, viewpoints
 from cardiosurf.report.strokes import draw_strokes
 from cardiosurf.report.views import View, flat_views, has_vein, unrolled_vein
@@ -136,6 +138,7 @@ def plot_all(
     formats: Sequence[str] = FORMATS,
     *,
     caption: str | None = None,
+    reentry: ReentryAnalysis | None = None,
 ) -> tuple[Path, ...]:
     """Write every figure that the recording gives rise to.
 
@@ -149,12 +152,14 @@ def plot_all(
         "png", "svg", or another that matplotlib knows.
     caption : str, optional
         A line below the run's name, usually the verdict.
+    reentry : ReentryAnalysis, optional
+        With it, and if a wave came back, the map of its last cycle is drawn too.
 
     Returns
     -------
     tuple of Path
         activation_map, vein_unrolled (with a vein), activation_count (where 1 % of the nodes or
-        more were activated twice), probe_traces (with probes), each in every format.
+        more were activated twice), reentry_map, probe_traces (with probes), each in every format.
 
     Raises
     ------
@@ -167,18 +172,21 @@ def plot_all(
         raise InputError(
             str(folder), f"cannot be made: {error.strerror}", hint="give another folder with -o"
         ) from error
-    makers = [activation_map]
+    makers: dict[str, Callable[[], Figure]] = {
+        "activation_map": lambda: activation_map(recording, caption=caption)
+    }
     if has_vein(recording.surface):
-        makers.append(vein_unrolled)
+        makers["vein_unrolled"] = lambda: vein_unrolled(recording, caption=caption)
     # the tissue under a stimulus may be activated twice: by it, and by the wave it starts
     if np.mean(recording.activation_count > 1) > AGAIN:
-        makers.append(activation_count)
+        makers["activation_count"] = lambda: activation_count(recording, caption=caption)
+    if reentry is not None and reentry.cycle_length.median is not None:
+        makers["reentry_map"] = lambda: reentry_map(recording, reentry, caption=caption)
     if recording.probes.names:
-        makers.append(probe_traces)
+        makers["probe_traces"] = lambda: probe_traces(recording, caption=caption)
     written: list[Path] = []
-    for maker in makers:
-        figure = maker(recording, caption=caption)
-        written += save(figure, folder / maker.__name__, formats)
+    for name, maker in makers.items():
+        written += save(maker(), folder / name, formats)
     return tuple(written)
 
 
