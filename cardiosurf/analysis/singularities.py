@@ -116,4 +116,4 @@ def _winding(a: Floats, b: Floats) -> tuple[Ints, Floats]:
     # barycentric weights of the point where a and b vanish
     weights = a[:, after] * b[:, before] - a[:, before] * b[:, after]
     total = weights.sum(axis=1, keepdims=True)
-    return winding, weights / np.where(total == 0.0, 1.0, total)
+    return winding, np.where(total == 0.0, 1.0 / 3.0, weights / np.where(total == 0.0, 1.0, total))
