@@ -22,6 +22,8 @@ CYCLES = (0.5, 1.5)
 """A path is closed where it was between so many cycles ago."""
 TRACED = 6.0
 """How many cycles a path goes back to settle."""
+CLOSED = 0.1
+"""Paths are often closed exactly: where they run from vertex to vertex they merge."""
 STARTS = 8
 """From how many late activations paths are tried."""
 
@@ -97,8 +99,8 @@ def find_circuit(
     edge = float(edge_lengths(surface.points, triangles).mean())
     for vertex, time in _late_activations(returns, cycle):
         path = trace_back(ground, vertex, time, time - TRACED * cycle)
-        loop = _closing(path, cycle)
-        if loop is None or loop.gap > edge:
+        loop = _closing(path, cycle, edge)
+        if loop is None:
             continue
         walk = closed_walk(path.vertices[loop.first : loop.last + 1][::-1], triangles)
         around = enclosed(walk, surface.points, triangles, rims)
@@ -114,8 +116,8 @@ def _late_activations(returns: Returns, cycle: float) -> list[tuple[int, float]]
     return [(int(returns.nodes[one]), float(returns.times[one])) for one in chosen]
 
 
-def _closing(path: Path, cycle: float) -> _Loop | None:
-    """Return where a path comes nearest to itself a cycle earlier, if it goes back so far."""
+def _closing(path: Path, cycle: float, edge: float) -> _Loop | None:
+    """Return the latest loop closed to ``CLOSED`` edges, else the best to one edge; or None."""
     points, times = path.points, path.times
     best: _Loop | None = None
     # pieces run from each point to the next, backward in time
@@ -133,10 +135,13 @@ def _closing(path: Path, cycle: float) -> _Loop | None:
         apart = np.linalg.norm(offset - share[:, None] * step[pieces], axis=1)
         one = int(np.argmin(apart))
         gap = float(apart[one])
-        if best is None or gap < best.gap:
+        if gap < (edge if best is None else best.gap):
             first = pieces.start + one
             passed = times[first] + share[one] * (times[first + 1] - times[first])
             best = _Loop(first, last, float(passed - times[last]), gap)
+            # the path may meet itself better still in cycles before the wave had settled
+            if gap <= CLOSED * edge:
+                return best
     return best
 
 

@@ -7,6 +7,8 @@ from cardiosurf.analysis.tracks import Track
 
 MOST_SHARES = 6
 """Shares of more activations than these are added up."""
+LEAST_SHARE = 0.0005
+"""Smaller ones would be printed as 0.0 %."""
 SENSES = {1: "counterclockwise", -1: "clockwise"}
 
 
@@ -37,7 +39,11 @@ def reentry_lines(analysis: ReentryAnalysis) -> list[str]:
 
 def _shares(shares: tuple[float, ...]) -> str:
     """Return shares of the area by the number of activations, many of them added up."""
-    parts = [f"{n} times {share:.1%}" for n, share in enumerate(shares[:MOST_SHARES]) if share > 0]
+    parts = [
+        f"{number} times {share:.1%}"
+        for number, share in enumerate(shares[:MOST_SHARES])
+        if share >= LEAST_SHARE
+    ]
     if len(shares) > MOST_SHARES:
         most = len(shares) - 1
         parts.append(f"{MOST_SHARES} to {most} times {sum(shares[MOST_SHARES:]):.1%}")

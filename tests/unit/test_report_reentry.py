@@ -1,0 +1,70 @@
+import numpy as np
+import pytest
+from matplotlib.collections import LineCollection
+from rotor_samples import annulus, frames, recording_of, rotor_phases, sphere
+
+from cardiosurf.analysis.rotation import analyse_reentry
+from cardiosurf.report.reentry_map import last_cycle, reentry_map
+
+PERIOD = 500.0
+
+
+def circling(surface, *, end=2400.0):
+    """A wave that runs counterclockwise round the z axis."""
+    lat = (
+        (np.arctan2(surface.points[:, 1], surface.points[:, 0]) % (2 * np.pi)) * PERIOD / 2 / np.pi
+    )
+    times = np.arange(0.0, end + 1.0, 20.0)
+    phases, _ = rotor_phases(surface.points, times, (0.0, 0.0), PERIOD, 1)
+    strengths = np.hypot(*surface.points[:, :2].T) / np.abs(surface.points).max()
+    return recording_of(surface, lat, PERIOD, 5, end=end, series=frames(times, phases, strengths))
+
+
+def test_the_last_cycle_ends_with_the_last_activation():
+    recording = circling(annulus())
+    since = last_cycle(recording, PERIOD)
+    # activations are 500 / 96 tu apart; the last before 2400 is at 4 * 500 + 76 * 500 / 96
+    last = 2000.0 + 76 * PERIOD / 96
+    lat = recording.first_activation
+    expected = np.where(lat + 2000.0 <= last + 1e-9, lat + 2000.0, lat + 1500.0) - (last - PERIOD)
+    assert since == pytest.approx(expected)
+    assert np.nanmax(since) == pytest.approx(PERIOD)
+
+
+def test_tissue_that_the_last_cycle_left_out_is_none_of_it():
+    recording = circling(annulus())
+    # a wave that came once every 100 tu has long gone by
+    assert np.isnan(last_cycle(recording, 100.0)).sum() > recording.node_count / 2
+
+
+def test_the_circuit_is_drawn_where_it_runs():
+    recording = circling(annulus())
+    analysis = analyse_reentry(recording)
+    figure = reentry_map(recording, analysis, caption="verdict: reentry")
+    lines = [c for c in figure.axes[0].collections if isinstance(c, LineCollection)]
+    pieces = np.array([path.vertices for path in lines[-1].get_paths()])
+    assert pieces == pytest.approx(
+        np.stack((analysis.circuit.points[:-1], analysis.circuit.points[1:]), axis=1)[:, :, :2]
+    )
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert f"circuit: {analysis.circuit.length:.0f} su in 500 tu" in labels
+    assert "the front at the end" in labels
+
+
+def test_tips_on_a_sphere_are_drawn_at_the_poles():
+    recording = circling(sphere(edge=8.0))
+    analysis = analyse_reentry(recording)
+    assert sorted(rotor.chirality for rotor in analysis.rotors) == [-1, 1]
+    figure = reentry_map(recording, analysis)
+    tips = [line.get_ydata() for line in figure.axes[0].lines if len(line.get_ydata()) > 20]
+    # theta of the two poles, within half an edge of 8 su on a radius of 50
+    assert sorted(np.mean(theta) for theta in tips) == pytest.approx([0.0, 180.0], abs=5.0)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert {"tip of a rotor, clockwise", "tip of a rotor, counterclockwise"} <= set(labels)
+
+
+def test_without_reentry_there_is_no_map():
+    ring = annulus()
+    once = recording_of(ring, ring.points[:, 0] + 50.0, PERIOD, 1, end=300.0)
+    with pytest.raises(ValueError, match="needs reentry"):
+        reentry_map(once, analyse_reentry(once))
