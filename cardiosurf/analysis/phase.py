@@ -91,7 +91,7 @@ def turns(a0: NDArray[Any], b0: NDArray[Any], a1: NDArray[Any], b1: NDArray[Any]
     upward, downward = (b0 < 0.0) & (b1 >= 0.0), (b0 >= 0.0) & (b1 < 0.0)
     side = a0 * b1 - a1 * b0
     # lines through the centre itself: it is taken to lie a trifle lower, and by a smaller trifle
-    # more to the left, the same for all lines, so that a vertex there is on one side for all of them
+    # more to the left, the same for all, so that a vertex there is on one side for all of them
     side = np.where(side != 0.0, side, np.where(a0 != a1, a0 - a1, b1 - b0))
     up, down = upward & (side > 0.0), downward & (side < 0.0)
     return np.asarray(up.astype(np.int64) - down)

@@ -23,7 +23,7 @@ from cardiosurf.errors import InputError
     help="May be given several times; png and svg unless given.",
 )
 def plot(recording: Path, output: Path | None, formats: tuple[str, ...]) -> None:
-    r"""Draw activation maps with isochrones, probe traces and the circuit of reentry.
+    r"""Draw activation maps, probe traces and the circuit of reentry.
 
     RECORDING is a recording.h5 or the folder of a run. Prints the files it wrote.
 

@@ -1,4 +1,4 @@
-"""The picture of a reentrant wave: its last cycle, the circuit it runs round, the rotors' tips."""
+"""The picture of a reentrant wave: one cycle of it, the circuit it runs round, the rotors' tips."""
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -15,9 +15,9 @@ from cardiosurf.analysis.circuit import Circuit
 from cardiosurf.analysis.neighbours import Lists
 from cardiosurf.analysis.rotation import ReentryAnalysis
 from cardiosurf.analysis.tracks import Track
-from cardiosurf.arrays import Floats, Ints
+from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.geometry.surface import Surface
-from cardiosurf.recording.recording import Recording
+from cardiosurf.recording.recording import Events, Recording
 from cardiosurf.report import layers
 from cardiosurf.report.canvas import INK, NEVER, new_figure
 from cardiosurf.report.views import View, flat_views
@@ -27,15 +27,15 @@ TIPS = {1: "#ffffff", -1: "#f0e442"}
 """Colour of the tips by the sense of their rotation."""
 SENSES = {1: "counterclockwise", -1: "clockwise"}
 LATE = 1.15
-"""Tissue activated within so many cycles of the end belongs to the last one: cycles differ."""
+"""Tissue activated within so many cycles of its end belongs to a cycle: they differ in length."""
 ARROWS = 4
 ISOCHRONES = 10
 
 
-def last_cycle(recording: Recording, cycle: float) -> Floats:
-    """Return when each vertex was activated in the last cycle, (n,), in tu since it began.
+def one_cycle(recording: Recording, cycle: float, until: float) -> Floats:
+    """Return when each vertex was activated in one cycle, (n,), in tu since it began.
 
-    NaN where it was not; the cycle ends with the last activation of all.
+    NaN where it was not.
 
     Parameters
     ----------
@@ -43,17 +43,27 @@ def last_cycle(recording: Recording, cycle: float) -> Floats:
         The run.
     cycle : float
         Its length, in tu.
+    until : float
+        When it ended, in tu.
     """
-    last = recording.last_activation
-    since = last - (np.nanmax(last) - cycle)
-    late = since > (1.0 - LATE) * cycle
-    return np.where(late, np.clip(since, 0.0, cycle), np.nan)
+    every = recording.activations
+    before = every.times <= until
+    last = Events(every.nodes[before], every.times[before]).last(recording.node_count)
+    since = last - (until - cycle)
+    return np.where(since > (1.0 - LATE) * cycle, np.clip(since, 0.0, cycle), np.nan)
+
+
+def shown_until(recording: Recording, analysis: ReentryAnalysis) -> float:
+    """Return the end of the cycle that is shown, in tu: when the circuit closed, else the last."""
+    if analysis.circuit is not None:
+        return float(analysis.circuit.times[-1])
+    return float(np.nanmax(recording.last_activation))
 
 
 def reentry_map(
     recording: Recording, analysis: ReentryAnalysis, *, caption: str | None = None
 ) -> Figure:
-    """Return the map of the last cycle, with the circuit and the tips of the rotors.
+    """Return the map of one cycle, with the circuit and the tips of the rotors.
 
     Parameters
     ----------
@@ -71,30 +81,33 @@ def reentry_map(
     """
     cycle = analysis.cycle_length.median
     if cycle is None:
-        raise ValueError("a map of the last cycle needs reentry")
+        raise ValueError("a map of a cycle needs reentry")
+    until = shown_until(recording, analysis)
     norm = Normalize(0.0, cycle)
     views = flat_views(recording.surface)
     figure = new_figure(7.4 * len(views), 6.8, recording.name, caption)
     legend: dict[str, Artist] = {}
     for axes, view in zip(figure.subplots(1, len(views), squeeze=False)[0], views, strict=True):
-        drawn = _draw_cycle(axes, view, last_cycle(recording, cycle), norm)
+        drawn = _draw_cycle(axes, view, one_cycle(recording, cycle, until), norm)
         if analysis.circuit is not None:
             drawn += _draw_circuit(axes, view, recording.surface, analysis.circuit)
         for rotor in analysis.rotors:
-            drawn += _draw_tip(axes, view, recording.surface, rotor, cycle)
+            shown = (rotor.times > until - cycle) & (rotor.times <= until)
+            drawn += _draw_tip(axes, view, recording.surface, rotor, shown)
+        drawn += layers.draw_patches(axes, view, recording, {})
         legend |= {str(artist.get_label()): artist for artist in drawn}
         _frame(axes, view)
     bar = figure.colorbar(
         ScalarMappable(norm, layers.COLOURS), ax=figure.axes, shrink=0.75, aspect=30, pad=0.02
     )
-    bar.set_label("activation in the last cycle [tu]")
+    bar.set_label(f"activation in the {cycle:.0f} tu up to t = {until:.0f} tu [tu]")
     handles = list(legend.values())
     figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=8)
     return figure
 
 
 def _draw_cycle(axes: Axes, view: View, times: Floats, norm: Normalize) -> list[Artist]:
-    """Colour the last cycle, with isochrones, and the front where its end meets its beginning."""
+    """Colour the cycle, with isochrones, and the front where its end meets its beginning."""
     whole = layers.draw_never(axes, view, times)
     values = np.nan_to_num(times[view.vertex_of])
     jump = np.ptp(values[view.triangles], axis=1) > 0.5 * float(norm.vmax or 1.0)
@@ -111,9 +124,9 @@ def _draw_cycle(axes: Axes, view: View, times: Floats, norm: Normalize) -> list[
     if front.size:
         mesh = Triangulation(view.points[:, 0], view.points[:, 1], view.triangles[front])
         axes.tripcolor(mesh, np.zeros(len(view.points)), cmap="gray", vmin=0, vmax=1)
-        swatches.append(Swatch(facecolor="black", label="the front at the end"))
+        swatches.append(Swatch(facecolor="black", label="the front at the end of it"))
     if not whole.all():
-        swatches.append(Swatch(facecolor=NEVER, label="not activated in the last cycle"))
+        swatches.append(Swatch(facecolor=NEVER, label="not activated in this cycle"))
     return swatches
 
 
@@ -137,10 +150,11 @@ def _draw_circuit(axes: Axes, view: View, surface: Surface, circuit: Circuit) ->
     return [Line2D([], [], color=CIRCUIT, linewidth=2.5, label=label)]
 
 
-def _draw_tip(axes: Axes, view: View, surface: Surface, rotor: Track, cycle: float) -> list[Artist]:
-    """Draw where a rotor's tip was in its last cycle."""
-    late = rotor.times > rotor.times[-1] - cycle
-    places, _ = _in_view(view, surface, rotor.triangles[late], rotor.points[late])
+def _draw_tip(axes: Axes, view: View, surface: Surface, rotor: Track, shown: Mask) -> list[Artist]:
+    """Draw where a rotor's tip was at some of the times of its track, (k,) bool."""
+    if not shown.any():
+        return []
+    places, _ = _in_view(view, surface, rotor.triangles[shown], rotor.points[shown])
     tips, entry = axes.plot(*places.T)[0], Line2D([], [])
     for line in (tips, entry):
         line.set(marker="o", markersize=3.0, linestyle="none", markeredgewidth=0.5)

@@ -1,10 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
 from rotor_samples import annulus, frames, recording_of, rotor_phases, sphere
 
 from cardiosurf.analysis.rotation import analyse_reentry
-from cardiosurf.report.reentry_map import last_cycle, reentry_map
+from cardiosurf.report.reentry_map import one_cycle, reentry_map, shown_until
 
 PERIOD = 500.0
 
@@ -20,21 +22,29 @@ def circling(surface, *, end=2400.0):
     return recording_of(surface, lat, PERIOD, 5, end=end, series=frames(times, phases, strengths))
 
 
-def test_the_last_cycle_ends_with_the_last_activation():
+def test_one_cycle_ends_when_it_is_told_to():
     recording = circling(annulus())
-    since = last_cycle(recording, PERIOD)
-    # activations are 500 / 96 tu apart; the last before 2400 is at 4 * 500 + 76 * 500 / 96
-    last = 2000.0 + 76 * PERIOD / 96
+    since = one_cycle(recording, PERIOD, 1700.0)
+    # three whole cycles and 200 tu: what lies before 200 tu in a cycle was activated in the fourth
     lat = recording.first_activation
-    expected = np.where(lat + 2000.0 <= last + 1e-9, lat + 2000.0, lat + 1500.0) - (last - PERIOD)
-    assert since == pytest.approx(expected)
-    assert np.nanmax(since) == pytest.approx(PERIOD)
+    assert since == pytest.approx(np.where(lat <= 200.0, lat + 300.0, lat - 200.0))
 
 
-def test_tissue_that_the_last_cycle_left_out_is_none_of_it():
+def test_tissue_that_a_cycle_left_out_is_none_of_it():
     recording = circling(annulus())
-    # a wave that came once every 100 tu has long gone by
-    assert np.isnan(last_cycle(recording, 100.0)).sum() > recording.node_count / 2
+    # as if a wave came once every 100 tu: what was activated 115 tu before has missed it
+    since = one_cycle(recording, 100.0, 1700.0)
+    lat = recording.first_activation
+    assert (np.isfinite(since) == ((lat > 200.0 - 115.0) & (lat <= 200.0))).all()
+
+
+def test_the_cycle_shown_ends_where_the_circuit_closes():
+    recording = circling(annulus())
+    analysis = analyse_reentry(recording)
+    assert shown_until(recording, analysis) == analysis.circuit.times[-1]
+    without = replace(analysis, circuit=None)
+    # activations are 500 / 96 tu apart; the last before 2400 is at 4 * 500 + 76 * 500 / 96
+    assert shown_until(recording, without) == pytest.approx(2000.0 + 76 * PERIOD / 96)
 
 
 def test_the_circuit_is_drawn_where_it_runs():
@@ -48,7 +58,7 @@ def test_the_circuit_is_drawn_where_it_runs():
     )
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert f"circuit: {analysis.circuit.length:.0f} su in 500 tu" in labels
-    assert "the front at the end" in labels
+    assert "the front at the end of it" in labels
 
 
 def test_tips_on_a_sphere_are_drawn_at_the_poles():
