@@ -9,6 +9,8 @@ from cardiosurf.arrays import Floats, Ints
 from cardiosurf.geometry.surface import Surface
 from cardiosurf.recording.recording import THRESHOLD, ProbeTraces
 
+TINY = 1e-300
+"""All shares are 0 where nothing is excitable."""
 MIDDLE = (5.0, 95.0)
 """Percentiles between which the spread of cycle lengths is measured."""
 
@@ -98,7 +100,7 @@ def find_returns(waves: Waves) -> Returns:
 
 
 def activated_shares(nodes: Ints, vertex_areas: Floats) -> tuple[float, ...]:
-    """Return the shares of the area that were activated 0, 1, 2, ... times; they sum to 1.
+    """Return the shares of the area that were activated 0, 1, 2, ... times.
 
     Parameters
     ----------
@@ -110,7 +112,7 @@ def activated_shares(nodes: Ints, vertex_areas: Floats) -> tuple[float, ...]:
     counts = np.bincount(nodes, minlength=len(vertex_areas))
     counts[vertex_areas == 0.0] = 0
     areas = np.bincount(counts, weights=vertex_areas)
-    return tuple(float(share) for share in areas / vertex_areas.sum())
+    return tuple(float(share) for share in areas / max(float(vertex_areas.sum()), TINY))
 
 
 def probe_cycles(

@@ -45,8 +45,9 @@ def _shares(shares: tuple[float, ...]) -> str:
         if share >= LEAST_SHARE
     ]
     if len(shares) > MOST_SHARES:
-        most = len(shares) - 1
-        parts.append(f"{MOST_SHARES} to {most} times {sum(shares[MOST_SHARES:]):.1%}")
+        most, rest = len(shares) - 1, sum(shares[MOST_SHARES:])
+        times = f"{most}" if most == MOST_SHARES else f"{MOST_SHARES} to {most}"
+        parts.append(f"{times} times {rest:.1%}")
     return ", ".join(parts) + " of the area"
 
 

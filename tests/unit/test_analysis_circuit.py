@@ -1,5 +1,7 @@
 """Circuits of waves whose activation maps are given by a formula."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rotor_samples import annulus, plane, recording_of, torus
@@ -9,6 +11,7 @@ from cardiosurf.analysis.cycles import find_returns
 from cardiosurf.analysis.enclosure import closed_walk, enclosed
 from cardiosurf.analysis.rims import Rim, find_rims
 from cardiosurf.analysis.waves import trace_waves
+from cardiosurf.tissue.tensor import Tissue
 
 INNER, SPEED = 20.0, 0.25
 PERIOD = 2 * np.pi * INNER / SPEED
@@ -80,6 +83,18 @@ def test_functional_reentry_runs_round_tissue_alone():
     assert circuit.enclosure.rims == ()
     assert circuit.enclosure.turns == 1
     assert np.pi * (INNER - 3) ** 2 < circuit.enclosure.area < np.pi * (INNER + 4.5) ** 2
+
+
+def test_a_wave_round_a_scar_runs_round_the_scar():
+    square = plane(half=60.0, edge=4.0)
+    passive = np.hypot(*square.points[square.triangles].mean(axis=1)[:, :2].T) < INNER
+    of = Tissue(np.tile(np.eye(3), (len(passive), 1, 1)), ~passive, ("scar",), passive - 1)
+    recording = recording_of(square, round_a_disc(square.points, -1), PERIOD, 5, end=5 * PERIOD)
+    circuit = circuit_of(replace(recording, tissue=of))
+    assert circuit.period == pytest.approx(PERIOD, rel=1e-6)
+    assert (circuit.enclosure.rims, circuit.enclosure.turns) == (("scar",), -1)
+    # in the tissue alone: triangles of the scar are no way
+    assert not passive[circuit.triangles].any()
 
 
 def test_a_wave_that_does_not_come_back_has_no_circuit():

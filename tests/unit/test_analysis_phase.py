@@ -124,6 +124,18 @@ def test_noise_on_a_closed_surface_sums_to_zero():
     assert (total == 0).all()
 
 
+def test_frames_looked_at_in_pieces_give_the_same(square, monkeypatch):
+    series = noise(len(square.points), steps=7)
+    whole = found(square, series)
+    rims = find_rims(square, tissue(square))
+    round_rims = rim_chiralities(series, rims, CENTRE)
+    monkeypatch.setattr("cardiosurf.analysis.phase.CHUNK", 2 * len(square.points))
+    pieces = found(square, series)
+    assert np.array_equal(pieces.frames, whole.frames)
+    assert np.array_equal(pieces.triangles, whole.triangles)
+    assert np.array_equal(rim_chiralities(series, rims, CENTRE), round_rims)
+
+
 def test_with_the_rims_noise_sums_to_zero_on_open_surfaces(square):
     middle = square.points[square.triangles].mean(axis=1)
     scar = np.hypot(*(middle[:, :2] - [20.0, 10.0]).T) < 15.0

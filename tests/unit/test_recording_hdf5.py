@@ -41,6 +41,19 @@ def assert_same(one, other):
     assert one.meta == other.meta
 
 
+def test_frames_stay_in_the_file_until_they_are_used(tmp_path):
+    recording = sample_recording()
+    write_recording(tmp_path / "recording.h5", recording)
+    read = read_recording(tmp_path / "recording.h5")
+    assert isinstance(read.frames.u, np.memmap)
+    # the file may be replaced while it is mapped: what was read stays
+    other = replace(recording, frames=FrameSeries.none(recording.node_count))
+    write_recording(tmp_path / "recording.h5", other)
+    assert np.array_equal(read.frames.u, recording.frames.u)
+    assert np.array_equal(read.frames.v, recording.frames.v)
+    assert read_recording(tmp_path / "recording.h5").frames.u.shape == other.frames.u.shape
+
+
 def test_round_trip_gives_back_every_bit(tmp_path):
     recording = sample_recording()
     write_recording(tmp_path / "recording.h5", recording)
