@@ -153,7 +153,7 @@ def plot_all(
     caption : str, optional
         A line below the run's name, usually the verdict.
     reentry : ReentryAnalysis, optional
-        With it, and if a wave came back, the map of its last cycle is drawn too.
+        With it, and if a wave came back, a map of one cycle is drawn too.
 
     Returns
     -------
@@ -172,6 +172,16 @@ def plot_all(
         raise InputError(
             str(folder), f"cannot be made: {error.strerror}", hint="give another folder with -o"
         ) from error
+    written: list[Path] = []
+    for name, maker in _makers(recording, caption, reentry).items():
+        written += save(maker(), folder / name, formats)
+    return tuple(written)
+
+
+def _makers(
+    recording: Recording, caption: str | None, reentry: ReentryAnalysis | None
+) -> dict[str, Callable[[], Figure]]:
+    """Return what draws each figure that makes sense, by the figure's name."""
     makers: dict[str, Callable[[], Figure]] = {
         "activation_map": lambda: activation_map(recording, caption=caption)
     }
@@ -184,10 +194,7 @@ def plot_all(
         makers["reentry_map"] = lambda: reentry_map(recording, reentry, caption=caption)
     if recording.probes.names:
         makers["probe_traces"] = lambda: probe_traces(recording, caption=caption)
-    written: list[Path] = []
-    for name, maker in makers.items():
-        written += save(maker(), folder / name, formats)
-    return tuple(written)
+    return makers
 
 
 def _lat_norm(recording: Recording) -> Normalize:

@@ -33,4 +33,5 @@ def test_machine_code_and_numpy_say_the_same(config, tmp_path):
     lat, expected = recording.first_activation, reference.first_activation
     assert np.array_equal(np.isnan(lat), np.isnan(expected))
     # rounding, and now and then an iteration of the solver, whose tolerance is 1e-7
-    assert lat == pytest.approx(expected, rel=1e-6, nan_ok=True)
+    # 1e-7 in u is 1e-5 in the time where u passes 0.5 as slowly as 0.01/tu, beside a stimulus
+    assert lat == pytest.approx(expected, rel=1e-6, abs=1e-5, nan_ok=True)
