@@ -16,6 +16,7 @@ from cardiosurf.config.sections import LONGEST_NAME, Config
 from cardiosurf.spelling import did_you_mean
 
 MOST_POINTS = 10_000
+_AXES = frozenset({"x", "y", "z", "theta", "phi"})
 
 
 @dataclass(frozen=True)
@@ -150,7 +151,8 @@ def _tail(key: str, others: Sequence[str]) -> str:
     for count in range(1, len(words) + 1):
         tail = words[-count:]
         alone = not any(other.split(".")[-count:] == tail for other in others)
-        if alone and not is_index(tail[0]):
+        # an index or an axis says little by itself
+        if alone and not (is_index(tail[0]) or tail[0] in _AXES):
             return ".".join(tail)
     return key
 

@@ -12,6 +12,7 @@ from cardiosurf.errors import InputError
 from cardiosurf.stepping.controls import Execution
 from cardiosurf.study.batch import Done, Job, OnDone, run_batch
 from cardiosurf.study.history import Change, Past, change_since, read_history, write_history
+from cardiosurf.study.job import worst_exit_code
 from cardiosurf.study.outcome import Compared, compare, findings_of, probe_lats
 from cardiosurf.study.pairs import PairResult, judge_pair
 from cardiosurf.study.store import RunStore
@@ -87,10 +88,9 @@ class CheckResult:
     @property
     def exit_code(self) -> int:
         """0: all as expected; 1: something differs; 3: a run broke down; 2, 70: other failures."""
-        codes = {"numerical": 3, "input": 2, "internal": 70, None: 0}
-        failures = [codes[one.done.kind] for one in self.cases]
-        if max(failures, default=0):
-            return max(failures)
+        failed = worst_exit_code(case.done for case in self.cases)
+        if failed:
+            return failed
         fine = all(one.status == "agrees" for one in self.cases)
         return 0 if fine and all(pair.agrees for pair in self.pairs) else 1
 

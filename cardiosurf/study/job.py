@@ -1,6 +1,6 @@
 """One run of a batch: made, gone on with where it was stopped, or found finished."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -120,6 +120,18 @@ def failed(name: str, error: Exception, seconds: float) -> Done:
     elif isinstance(error, MemoryError):
         kind, text = "numerical", "there is not enough memory\n  try: a larger mesh.edge_length"
     return Done(name, None, text, kind, seconds, {}, reused=False)
+
+
+def worst_exit_code(ended: Iterable[Done]) -> int:
+    """Return the exit code that failed runs end with: 2 input, 3 numerical, 70 internal; else 0.
+
+    Parameters
+    ----------
+    ended : iterable of Done
+        What came of the jobs.
+    """
+    codes = {"input": 2, "numerical": 3, "internal": 70, None: 0}
+    return max((codes[done.kind] for done in ended), default=0)
 
 
 def reused_job(job: Job) -> Done | None:

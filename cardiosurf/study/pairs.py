@@ -1,4 +1,4 @@
-"""Two directions of one way: does it let a wave pass in one of them only?"""
+"""Two directions of one way, and whether a wave passes in both, in one or in none."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
