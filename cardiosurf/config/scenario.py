@@ -166,6 +166,8 @@ class Scenario(Section):
         What is asked.
     base : str
         The config that all cases begin with, seen from the scenario's folder.
+    set : mapping
+        Values laid over the base for all cases and all points of a sweep, by key path.
     cases : tuple of Case
         The runs that answer it; ``check`` compares them. Without any, ``sweep`` varies the base.
     pairs : tuple of Pair
@@ -186,6 +188,7 @@ class Scenario(Section):
     source: str = ""
     question: str = ""
     base: str
+    set: Settings = field(default_factory=dict)
     cases: tuple[Case, ...] = ()
     pairs: tuple[Pair, ...] = ()
     fast: Fast | None = None

@@ -119,7 +119,8 @@ class ScenarioFile:
         )
 
     def _case(self, number: int, case: Case, *, fast: bool) -> ReadyCase:
-        document = self._laid(self.base, case.set, ("cases", number, "set"))
+        document = self._laid(self.base, self.scenario.set, ("set",))
+        document = self._laid(document, case.set, ("cases", number, "set"))
         coarser: tuple[Fast, KeyPath] | None = None
         if fast and case.fast is not None:
             coarser = case.fast, ("cases", number, "fast", "set")
@@ -133,7 +134,7 @@ class ScenarioFile:
         return ReadyCase(case, loaded, expected, coarser is not None)
 
     def _point(self, number: int, case: Case | None, point: Point) -> ReadyPoint:
-        document = self.base
+        document = self._laid(self.base, self.scenario.set, ("set",))
         if case is not None:
             document = self._laid(document, case.set, ("cases", number, "set"))
         by_key = {key: self._place_of(key) for key in point.values}
@@ -208,6 +209,13 @@ def read_scenario(path: Path) -> ScenarioFile:
         is found when it is made ready.
     """
     document = read_document(str(path), SCENARIO_KEYS)
+    if not is_scenario(document.data) and "geometry" in document.data:
+        raise InputError(
+            str(path),
+            "is a config, not a scenario",
+            "a scenario: a mapping with at least the keys name and base",
+            f"cardiosurf run {path}",
+        )
     scenario = decode(document, Scenario)
     problems = [
         *(

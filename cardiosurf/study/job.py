@@ -1,5 +1,6 @@
 """One run of a batch: made, gone on with where it was stopped, or found finished."""
 
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -167,4 +168,6 @@ def _simulated(job: Job, execution: Execution | None) -> tuple[dict[str, Any], M
             raise
         # a checkpoint that cannot be used costs time and nothing else
         result = simulate(job.loaded, job.folder, overwrite=True, execution=execution)
-    return result.verdict.to_json(), dict(result.meta)
+    # as it is read back from its file: lists, not tuples
+    verdict: dict[str, Any] = json.loads(json.dumps(result.verdict.to_json()))
+    return verdict, dict(result.meta)
