@@ -28,7 +28,7 @@ OVERRIDE_HELP = "Change one key: a.b.c=value; list items by number or by their n
     help="Also build mesh, tissue and stimuli; finds empty regions and stimuli off the surface.",
 )
 def validate(configs: tuple[str, ...], overrides: tuple[str, ...], *, with_mesh: bool) -> None:
-    r"""Check configs and scenarios and say all that is wrong with them.
+    r"""Check configs and scenarios and say what is wrong.
 
     Of a scenario, the configs of all its cases and points are checked. All files are checked
     before the command ends, with exit code 2 if any of them is wrong.
@@ -96,7 +96,7 @@ def mesh(config: str, overrides: tuple[str, ...], output: Path | None, *, overwr
 @click.command()
 @click.argument("what", type=click.Choice(["config", "scenario", "verdict"]), default="config")
 def schema(what: str) -> None:
-    r"""Print the JSON Schema of a config (default), of a scenario or of a verdict.
+    r"""Print the JSON Schema of a config, a scenario or a verdict.
 
     An editor with a YAML language server then completes and checks keys while you type:
 

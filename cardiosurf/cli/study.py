@@ -35,7 +35,7 @@ WORKERS_HELP = "Runs at a time.  [default: as many as there are cores]"
 def check(
     scenarios: tuple[str, ...], output: Path, *, fast: bool, workers: int | None, as_json: bool
 ) -> None:
-    r"""Run scenarios and compare what they find with what is expected.
+    r"""Run scenarios and compare with what is expected.
 
     SCENARIO is a file or a folder of files. Runs that are there already are used again, as long
     as neither their config nor the program has changed; what was stopped goes on.
