@@ -88,9 +88,9 @@ def mesh(config: str, overrides: tuple[str, ...], output: Path | None, *, overwr
 
 
 @click.command()
-@click.argument("what", type=click.Choice(["config", "verdict"]), default="config")
+@click.argument("what", type=click.Choice(["config", "verdict", "threshold"]), default="config")
 def schema(what: str) -> None:
-    r"""Print the JSON Schema of a config (default) or of a verdict.
+    r"""Print the JSON Schema of a config (default), a verdict or a threshold.
 
     An editor with a YAML language server then completes and checks keys while you type:
 
@@ -103,6 +103,10 @@ def schema(what: str) -> None:
         from cardiosurf.config import config_schema
 
         published = config_schema()
+    elif what == "threshold":
+        from cardiosurf.study.threshold_result import threshold_schema
+
+        published = threshold_schema()
     else:
         from cardiosurf.analysis.verdict import verdict_schema
 

@@ -22,6 +22,7 @@ _COMMANDS = {
     "mesh": "cardiosurf.cli.inspect:mesh",
     "schema": "cardiosurf.cli.inspect:schema",
     "analyze": "cardiosurf.cli.run:analyze",
+    "threshold": "cardiosurf.cli.threshold:threshold",
     "plot": "cardiosurf.cli.view:plot",
 }
 

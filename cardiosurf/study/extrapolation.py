@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 
 LOWEST_ORDER, HIGHEST_ORDER = 1.0, 4.0
-"""The orders of convergence that are plausible: the blended mass has 4, region edges may cost it."""
+"""The orders of convergence that are plausible: the blended mass has 4, region edges cost some."""
 USUAL_ORDER = 2.0
 LEVELS = 3
 """How many of the finest levels are extrapolated from."""
@@ -72,9 +72,9 @@ def extrapolate(samples: Sequence[Sample]) -> Estimate:
         x0 = x3 + (x3 - x2) / ((h2 / h3)^p - 1),
         error = max(|x0 - x3| + w3, the furthest x0 that any order from 1 to 4 allows)
 
-    The second is found exactly: all x0 for which some c and some p put x0 + c h^p within the bracket
-    (half width w) of each level. If there are none, the values do not converge as they should, and
-    the spread of the three takes its place.
+    The second is found exactly: all x0 for which some c and some p put x0 + c h^p within the
+    bracket (half width w) of each level. If there are none, the values do not converge as they
+    should, and the spread of the three takes its place.
 
     Parameters
     ----------
@@ -139,7 +139,8 @@ def enclosure(samples: Sequence[Sample], order: float) -> tuple[float, float] | 
     For a given p the conditions x_i - w_i <= x0 + c h_i^p <= x_i + w_i bound x0, once c is
     eliminated, by the lines through the ends of each pair of brackets, i coarser than j:
 
-        x0 <= (U_j g_i - L_i g_j) / (g_i - g_j),   x0 >= (L_j g_i - U_i g_j) / (g_i - g_j),   g = h^p
+        x0 <= (U_j g_i - L_i g_j) / (g_i - g_j)
+        x0 >= (L_j g_i - U_i g_j) / (g_i - g_j),   g = h^p, L = x - w, U = x + w
 
     Parameters
     ----------
