@@ -8,12 +8,11 @@ from itertools import pairwise
 
 from cardiosurf.config import Loaded, overlay
 from cardiosurf.errors import InputError
-from cardiosurf.stepping.schemes import SCHEMES
-from cardiosurf.stepping.step_rule import auto_step
 from cardiosurf.study.critical import Search
 from cardiosurf.study.edges import edge_of
 from cardiosurf.study.extrapolation import LEVELS
 from cardiosurf.study.question import Question
+from cardiosurf.study.steps import step_of
 from cardiosurf.study.threshold_result import Level
 
 RATIO = math.sqrt(2.0)
@@ -100,9 +99,7 @@ def plan_levels(loaded: Loaded, edges: Sequence[float] = ()) -> tuple[Level, ...
         if not _fits(loaded, first):
             first = usual
         sizes = [float(f"{first / RATIO**number:.3g}") for number in range(LEVELS)]
-    step = config.time.step
-    if step == "auto":
-        step = auto_step(SCHEMES[config.time.scheme], config.kinetics, config.accuracy).step
+    step = step_of(config)
     return tuple(Level(edge, float(f"{step * edge / sizes[0]:.4g}")) for edge in sizes)
 
 
