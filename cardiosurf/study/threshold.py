@@ -10,6 +10,7 @@ from cardiosurf.study.critical import Change, find_changes
 from cardiosurf.study.store import RunStore
 from cardiosurf.study.threshold_plan import Plan
 from cardiosurf.study.threshold_result import Level, RunRow, Threshold, critical_value
+from cardiosurf.study.workers import Staff
 
 
 @dataclass
@@ -18,7 +19,7 @@ class _Runs:
 
     plan: Plan
     store: RunStore
-    workers: int
+    staff: Staff
     execution: Execution | None
     on_run: Callable[[RunRow], object]
     rows: list[RunRow] = field(default_factory=list)
@@ -37,7 +38,13 @@ class _Runs:
             if row is not None:
                 self.on_run(row)
 
-        finished = run_batch(jobs, workers=self.workers, execution=self.execution, on_done=settle)
+        finished = run_batch(
+            jobs,
+            workers=self.staff.workers,
+            execution=self.execution,
+            on_done=settle,
+            staff=self.staff,
+        )
         found = []
         for value, done in zip(values, finished, strict=True):
             row = _row(self.plan, level, value, done)
@@ -83,9 +90,10 @@ def find_threshold(
     for level in plan.levels:
         for value in (plan.search.low, plan.search.high):
             plan.at(level, value)
-    runs = _Runs(plan, store, workers, execution, on_run)
     sizes = [level.edge_length for level in plan.levels]
-    changes = find_changes(runs.ask, sizes, plan.search)
+    with Staff(workers, execution) as staff:
+        runs = _Runs(plan, store, staff, execution, on_run)
+        changes = find_changes(runs.ask, sizes, plan.search)
     return Threshold(
         name=plan.loaded.config.name,
         config_sha256=plan.loaded.sha256,
