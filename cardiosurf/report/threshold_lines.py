@@ -60,14 +60,14 @@ def with_error(value: float, error: float) -> str:
 
 def _change_lines(change: CriticalValue) -> Iterator[str]:
     kind = f"{change.below} -> {change.above}"
-    if change.value is None or change.error is None or change.order is None:
+    if change.value is None or change.error is None:
         yield f"  {kind}: no value without three meshes in a row that have it; {change.note}"
     else:
         settled = "converged" if change.converged else "NOT converged"
-        yield (
-            f"  {kind} at {with_error(change.value, change.error)}"
-            f"  ({settled}; order {change.order:.1f}, {change.order_is})"
-        )
+        trend = "no trend left to extrapolate"
+        if change.order is not None:
+            trend = f"order {change.order:.1f}, {change.order_is}"
+        yield (f"  {kind} at {with_error(change.value, change.error)}  ({settled}; {trend})")
         if change.note:
             yield f"    {change.note}"
     for level in change.levels:

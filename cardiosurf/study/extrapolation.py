@@ -12,9 +12,14 @@ import scipy
 
 LOWEST_ORDER, HIGHEST_ORDER = 1.0, 4.0
 """The orders of convergence that are plausible: the blended mass has 4, region edges cost some."""
-USUAL_ORDER = 2.0
+FORMAL_ORDER = 2.0
+"""That of the steps, and of waves across fibres with any mass: what is left in the end. Coarse
+meshes may seem to converge faster; extrapolated so, the T-domain's value fell short (findings)."""
+SCATTER = 4.0
+"""Values within this many half widths are as close as meshes, each of its own making, allow."""
 LEVELS = 3
 """How many of the finest levels are extrapolated from."""
+OrderIs = Literal["fitted", "assumed", "none"]
 _ORDERS = np.linspace(LOWEST_ORDER, HIGHEST_ORDER, 301)
 
 
@@ -49,32 +54,39 @@ class Estimate:
         How far from it the converged value is at most (``extrapolate`` has the rule).
     bracket_error : float
         What the brackets alone contribute: the half width on the finest mesh.
-    order : float
-        The order p that was extrapolated with.
+    order : float or None
+        The order p that was extrapolated with; None: there is no trend to extrapolate.
     order_is : str
-        ``fitted`` to three levels, or ``assumed``: no plausible order fits them.
+        ``fitted`` to three levels; ``assumed`` to be 2, where no order from 1 to 2 fits them;
+        ``none``: the values turn round, or stay.
     converged : bool
-        Whether one plausible order explains the finest levels within their brackets, and the last
-        step from level to level is no longer than the one before, or within the brackets.
+        Whether one order from 1 to 4 explains the three finest levels within their brackets and
+        they draw closer, or they are within 4 half widths of each other.
     """
 
     value: float
     error: float
     bracket_error: float
-    order: float
-    order_is: Literal["fitted", "assumed"]
+    order: float | None
+    order_is: OrderIs
     converged: bool
 
 
 def extrapolate(samples: Sequence[Sample]) -> Estimate:
     """Return the extrapolated value and its error, from the three finest levels.
 
-        x0 = x3 + (x3 - x2) / ((h2 / h3)^p - 1),
-        error = max(|x0 - x3| + w3, the furthest x0 that any order from 1 to 4 allows)
+        x0 = x3 + (x3 - x2) / ((h2 / h3)^p - 1)
 
-    The second is found exactly: all x0 for which some c and some p put x0 + c h^p within the
-    bracket (half width w) of each level. If there are none, the values do not converge as they
-    should, and the spread of the three takes its place.
+    with p fitted to the three where that gives 1 to 2, else 2. Where the values turn round, what is
+    left is the meshes' scatter, which extrapolation would enlarge, and x0 = x3. The error is the
+    largest of
+
+    - the whole extrapolation, |x0 - x3| + w3 (w: half widths of the brackets);
+    - what the extrapolation from h1 and h3 differs by, + w3; without a trend the spread of the
+      three, + w3;
+    - the distance to the furthest x0 that any order from 1 to 4 allows: to all x0 for which some c
+      and p put x0 + c h^p within each bracket. If there are none, the values do not converge as
+      they should, and the spread of the three, + w3, takes its place.
 
     Parameters
     ----------
@@ -88,27 +100,49 @@ def extrapolate(samples: Sequence[Sample]) -> Estimate:
     if len(samples) < LEVELS:
         msg = f"{len(samples)} levels; an error takes {LEVELS}"
         raise ValueError(msg)
-    coarse, middle, fine = samples[-LEVELS:]
-    finest = [coarse, middle, fine]
-    fitted = fit_order(coarse, middle, fine)
-    order = USUAL_ORDER if fitted is None else fitted
-    value = fine.value + (fine.value - middle.value) / ((middle.size / fine.size) ** order - 1.0)
-    allowed = enclosure(finest, order)
+    finest = samples[-LEVELS:]
+    coarse, middle, fine = finest
+    order, order_is = _order(coarse, middle, fine)
+    value = fine.value if order is None else _limit(middle, fine, order)
     values = [sample.value for sample in finest]
+    spread = max(values) - min(values)
+    allowed = enclosure(finest, order or FORMAL_ORDER)
     if allowed is None:
-        beyond = max(values) - min(values) + fine.half_width
+        furthest = spread + fine.half_width
     else:
-        beyond = max(allowed[1] - value, value - allowed[0])
-    last, before = abs(fine.value - middle.value), abs(middle.value - coarse.value)
-    settled = last <= max(before, fine.half_width + middle.half_width)
+        furthest = max(allowed[1] - value, value - allowed[0])
+    other = spread if order is None else abs(value - _limit(coarse, fine, order))
+    widest = max(sample.half_width for sample in finest)
     return Estimate(
         value=value,
-        error=max(abs(value - fine.value) + fine.half_width, beyond),
+        error=max(max(abs(value - fine.value), other) + fine.half_width, furthest),
         bracket_error=fine.half_width,
         order=order,
-        order_is="assumed" if fitted is None else "fitted",
-        converged=allowed is not None and settled,
+        order_is=order_is,
+        converged=(allowed is not None and _draw_closer(coarse, middle, fine))
+        or spread <= SCATTER * widest,
     )
+
+
+def _order(coarse: Sample, middle: Sample, fine: Sample) -> tuple[float | None, OrderIs]:
+    """Return the order to extrapolate with, and where it comes from."""
+    if (coarse.value - middle.value) * (middle.value - fine.value) <= 0.0:
+        return None, "none"
+    fitted = fit_order(coarse, middle, fine)
+    if fitted is None or fitted > FORMAL_ORDER:
+        return FORMAL_ORDER, "assumed"
+    return fitted, "fitted"
+
+
+def _limit(coarser: Sample, finer: Sample, order: float) -> float:
+    """Return the value without a mesh, from two meshes and the order."""
+    ratio = float((coarser.size / finer.size) ** order)
+    return finer.value + (finer.value - coarser.value) / (ratio - 1.0)
+
+
+def _draw_closer(coarse: Sample, middle: Sample, fine: Sample) -> bool:
+    last, before = abs(fine.value - middle.value), abs(middle.value - coarse.value)
+    return last <= max(before, fine.half_width + middle.half_width)
 
 
 def fit_order(coarse: Sample, middle: Sample, fine: Sample) -> float | None:

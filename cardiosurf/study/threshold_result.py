@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from cardiosurf.study.critical import Change
-from cardiosurf.study.extrapolation import LEVELS, Sample, extrapolate
+from cardiosurf.study.extrapolation import LEVELS, OrderIs, Sample, extrapolate
 
 SCHEMA: Literal["cardiosurf/threshold/1"] = "cardiosurf/threshold/1"
 
@@ -97,11 +97,12 @@ class CriticalValue:
     bracket_error : float or None
         The half width of the bracket on the finest mesh, which is part of the error.
     order : float or None
-        The order of convergence that was extrapolated with.
+        The order of convergence that was extrapolated with; None: no trend to extrapolate.
     order_is : str or None
-        ``fitted`` or ``assumed``.
+        ``fitted`` to the meshes, ``assumed``, or ``none``: the values turn round, or stay.
     converged : bool
-        Whether one order from 1 to 4 explains the three finest meshes and the steps get smaller.
+        Whether the values on the three finest meshes draw closer as they should, or are as close
+        as the brackets let one tell (``extrapolate``).
     levels : tuple of LevelValue
         Where it lies on each mesh, the coarsest first.
     note : str
@@ -114,7 +115,7 @@ class CriticalValue:
     error: float | None
     bracket_error: float | None
     order: float | None
-    order_is: Literal["fitted", "assumed"] | None
+    order_is: OrderIs | None
     converged: bool
     levels: tuple[LevelValue, ...]
     note: str

@@ -15,7 +15,7 @@ def samples(true, c, order, half_width=1e-9, sizes=SIZES):
     return [Sample(h, true + c * h**order, half_width) for h in sizes]
 
 
-@pytest.mark.parametrize("order", [1.0, 1.5, 2.0, 3.0, 4.0])
+@pytest.mark.parametrize("order", [1.0, 1.3, 1.7, 2.0 - 1e-9])
 def test_powers_of_the_edge_are_extrapolated_exactly(order):
     # solved by bisection of the order to 2e-12
     found = extrapolate(samples(7.84, -0.03, order))
@@ -27,19 +27,38 @@ def test_powers_of_the_edge_are_extrapolated_exactly(order):
     assert found.error == pytest.approx(0.03 * 1.75**order, rel=1e-5)
 
 
-def test_values_that_do_not_move_are_converged_with_an_assumed_order():
+@pytest.mark.parametrize("order", [2.5, 3.0, 4.0])
+def test_values_that_seem_to_converge_faster_are_extrapolated_with_the_formal_order(order):
+    found = extrapolate(samples(7.84, -0.03, order))
+    assert (found.order, found.order_is, found.converged) == (2.0, "assumed", True)
+    # what order 2 makes of the last step
+    last = 0.03 * (2.5**order - 1.75**order)
+    assert found.value == pytest.approx(7.84 - 0.03 * 1.75**order + last / ((2.5 / 1.75) ** 2 - 1))
+    assert abs(found.value - 7.84) <= found.error
+
+
+def test_values_that_do_not_move_are_converged_without_a_trend():
     found = extrapolate([Sample(h, 6.97, 0.01) for h in SIZES])
-    assert (found.value, found.order, found.order_is) == (6.97, 2.0, "assumed")
+    assert (found.value, found.order, found.order_is) == (6.97, None, "none")
     assert found.converged
     # at order 1 edges of 3.5 and 1.75 leave 3 half widths open, and no more
     assert 0.01 < found.error <= 0.03 * (1 + 1e-9)
 
 
+def test_meshes_that_scatter_by_little_more_than_the_brackets_are_converged():
+    measured = [Sample(h, x, 0.0075) for h, x in zip(SIZES, (6.974, 6.985, 6.967), strict=True)]
+    found = extrapolate(measured)
+    assert found.converged
+    # nothing to extrapolate: the finest, with the spread and the bracket
+    assert found.value == 6.967
+    assert found.error == pytest.approx(0.018 + 0.0075)
+
+
 def test_values_that_turn_round_are_not_converged_and_their_spread_is_the_error():
     found = extrapolate([Sample(h, x, 0.005) for h, x in zip(SIZES, (6.8, 7.0, 6.9), strict=True)])
     assert not found.converged
-    assert found.order_is == "assumed"
-    assert found.error >= 0.2
+    assert (found.value, found.order_is) == (6.9, "none")
+    assert found.error == pytest.approx(0.2 + 0.005)
 
 
 def test_steps_that_grow_are_not_converged():
