@@ -1,4 +1,4 @@
-"""The command that searches critical values: threshold."""
+"""The command that finds critical values: threshold."""
 
 from __future__ import annotations
 
@@ -100,7 +100,11 @@ def threshold(
     plan = Plan(loaded, path, search, levels, asked)
     folder = output or Path("runs") / "threshold" / loaded.config.name
     _check_folder(folder, plan, overwrite=overwrite)
-    _show(_searched(plan, folder, workers), folder, as_json=as_json)
+    from cardiosurf.study.lock import alone_in
+
+    with alone_in(folder):
+        found = _searched(plan, folder, workers)
+    _show(found, folder, as_json=as_json)
 
 
 def _searched(plan: Plan, folder: Path, workers: int) -> Threshold:

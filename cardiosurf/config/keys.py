@@ -162,6 +162,7 @@ _NAMES = {
     bool: "true or false",
     str: "text",
     type(None): "null",
+    Any: "any value",
 }
 
 

@@ -18,7 +18,7 @@ def verdict_lines(verdict: Verdict) -> list[str]:
     lines = [f"{verdict.name}: {verdict.verdict.upper().replace('_', ' ')}"]
     if verdict.captured:
         width = max(len(target.name) for target in verdict.targets)
-        lines += [_target_line(target, width) for target in verdict.targets]
+        lines += [target_line(target, width) for target in verdict.targets]
         lines.append(_reentry_line(verdict))
     if verdict.quiescent_at is not None:
         lines.append(f"  all tissue at rest at t = {verdict.quiescent_at:.1f} tu")
@@ -39,7 +39,16 @@ def _guard_line(guard: GuardFinding) -> str:
     return f"  {settled}: same verdicts{times} ({meshes})"
 
 
-def _target_line(target: TargetFinding, width: int) -> str:
+def target_line(target: TargetFinding, width: int) -> str:
+    """Return what happened to a target in one line.
+
+    Parameters
+    ----------
+    target : TargetFinding
+        The target.
+    width : int
+        Room for its name.
+    """
     line = (
         f"  {target.name:{width}}  {target.verdict:10}  {target.activated_fraction:6.1%} activated"
     )

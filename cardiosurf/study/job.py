@@ -1,6 +1,7 @@
 """One run of a batch: made, gone on with where it was stopped, or found finished."""
 
-from collections.abc import Mapping
+import json
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -122,6 +123,18 @@ def failed(name: str, error: Exception, seconds: float) -> Done:
     return Done(name, None, text, kind, seconds, {}, reused=False)
 
 
+def worst_exit_code(ended: Iterable[Done]) -> int:
+    """Return the exit code that failed runs end with: 2 input, 3 numerical, 70 internal; else 0.
+
+    Parameters
+    ----------
+    ended : iterable of Done
+        What came of the jobs.
+    """
+    codes = {"input": 2, "numerical": 3, "internal": 70, None: 0}
+    return max((codes[done.kind] for done in ended), default=0)
+
+
 def reused_job(job: Job) -> Done | None:
     """Return the Done of a job whose run is in its folder, None if it has to be run.
 
@@ -155,4 +168,6 @@ def _simulated(job: Job, execution: Execution | None) -> tuple[dict[str, Any], M
             raise
         # a checkpoint that cannot be used costs time and nothing else
         result = simulate(job.loaded, job.folder, overwrite=True, execution=execution)
-    return result.verdict.to_json(), dict(result.meta)
+    # as it is read back from its file: lists, not tuples
+    verdict: dict[str, Any] = json.loads(json.dumps(result.verdict.to_json()))
+    return verdict, dict(result.meta)
