@@ -164,7 +164,7 @@ def roofline(found: dict[str, Any]) -> list[str]:
         f"Cost at equal iterations from the smallest to the largest: {found['growth']:.2f} times.",
         f"Two threads at {threads['nodes']} nodes: {threads['ratio']:.2f} times one.",
         f"Memory of a march at {memory['nodes']} nodes: {memory['peak']:.0f} bytes a node at its peak, of",
-        f"which matrices {memory['matrices']:.0f}, compiled march {memory['engine']:.0f}.",
+        f"which {memory['handed over']:.0f} are the matrices and the stimulus that it is handed.",
     ]
 
 

@@ -67,22 +67,26 @@ def passes(engine: Engine) -> dict[str, float]:
     """Return the bytes a node that each pass of a step reads and writes (sbdf2, no current)."""
     rows, work = engine._arrangement.rows, engine._work
     n = len(engine._arrangement.vertex)
-    number = work.fields.itemsize
+    number, single = work.fields.itemsize, work.direction.itemsize
     entries, start = len(rows.columns) / n, rows.start.nbytes / n
     columns = rows.columns.itemsize * entries + start
-    mass, system = (values.itemsize * entries for values in (rows.mass, rows.system))
+    mass, stiffness, system = (
+        values.itemsize * entries for values in (rows.mass, rows.stiffness, rows.system)
+    )
     return {
-        # u0 u1 u2 u3 v0 v1, D^1/2, scale, active in; guess, v, the two of ``vectors`` out
+        # u0 u1 u2 u3 v0 v1, lumped, D^-1/2, active in; guess, v, the two of ``vectors`` out
         "prepare": 12 * number + work.active.itemsize,
-        # both matrices, their columns, the vectors, the diagonal in; the direction out
-        "residual": mass + system + columns + 4 * number,
+        # both matrices, their columns, the vectors, lumped, D^-1/2 in; the direction out
+        "residual": mass + stiffness + columns + 4 * number + single,
         # the matrix, its columns, p in, q out; r from the second iteration on
-        "first multiply": system + columns + 2 * number,
-        "multiply": system + columns + 3 * number,
-        # p, r, q, u, D^-1/2 in; p, r, u out
-        "update": 8 * number,
-        # p, u, D^-1/2, the state before in; u out
-        "finish": 5 * number,
+        "first multiply": system + columns + 2 * single,
+        "multiply": system + columns + 3 * single,
+        # p, q in; p, r, x out
+        "first update": 5 * single,
+        # p, r, q, x in; p, r, x out
+        "update": 7 * single,
+        # p, x, u, D^-1/2, the state before in; u out
+        "finish": 4 * number + 2 * single,
     }
 
 
@@ -91,13 +95,16 @@ def of_a_step(each: dict[str, float], iterations: float) -> float:
     more = max(iterations - 1.0, 0.0)
     once = each["prepare"] + each["residual"] + each["finish"]
     first = min(iterations, 1.0) * each["first multiply"]
-    return once + first + more * (each["multiply"] + each["update"])
+    # the last iteration has no update, so the first one comes with the second iteration
+    updates = min(more, 1.0) * each["first update"] + max(more - 1.0, 0.0) * each["update"]
+    return once + first + more * each["multiply"] + updates
 
 
 def held(engine: Engine) -> float:
     """Return the bytes that a step works on."""
     rows, work = engine._arrangement.rows, engine._work
-    return sum(a.nbytes for a in rows) + work.fields.nbytes + work.active.nbytes
+    vectors = (work.fields, work.vectors, work.direction, work.active)
+    return sum(a.nbytes for a in rows) + sum(vector.nbytes for vector in vectors)
 
 
 def waves(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -229,7 +236,7 @@ def main() -> None:
         print(f"  (two marches of half the size at once: {alone:.2f} times)")
     taken = memory()
     print(f"memory of a march, bytes a node: {taken['peak']:.0f} at its peak,")
-    print(f"  of which matrices {taken['matrices']:.0f}, compiled march {taken['engine']:.0f}")
+    print(f"  of which it is handed {taken['handed over']:.0f} at the start")
     write(
         "roofline",
         {

@@ -11,9 +11,18 @@ from cardiosurf.stepping.controls import Controls
 from cardiosurf.stepping.moment import Checkpoint, Moment, Observer, Patient, Watching
 from cardiosurf.stepping.place import Cost, Wishes
 from cardiosurf.stepping.rest import at_rest, never
-from cardiosurf.stepping.walk import Problem, is_compiled, walk
+from cardiosurf.stepping.walk import Handover, Problem, is_compiled, walk
 
-__all__ = ["Checkpoint", "Controls", "Moment", "Observer", "Outcome", "Problem", "march"]
+__all__ = [
+    "Checkpoint",
+    "Controls",
+    "Handover",
+    "Moment",
+    "Observer",
+    "Outcome",
+    "Problem",
+    "march",
+]
 
 
 @dataclass(frozen=True)

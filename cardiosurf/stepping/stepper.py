@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from time import perf_counter
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -17,6 +17,10 @@ from cardiosurf.stepping.solvers import Solve, SolverFactory
 
 # extrapolation from the last one, two, three or four states; four save a fifth of the iterations
 GUESS_WEIGHTS = ((1.0,), (2.0, -1.0), (3.0, -3.0, 1.0), (4.0, -6.0, 4.0, -1.0))
+
+START = 0.01
+"""Factor on the solver's tolerance in starting steps: their guess is poor, and what they leave
+stands in all that comes after."""
 
 
 class Past(NamedTuple):
@@ -34,51 +38,36 @@ class Advance(NamedTuple):
     seconds: float
 
 
+class Single(Protocol):
+    """Does a step of a scheme."""
+
+    def __call__(
+        self, scheme: Scheme, past: Past, dt: float, current: Floats | None, strictness: float = 1.0
+    ) -> Advance:
+        """Return the state one step on; ``strictness`` is a factor on the solver's tolerance."""
+        ...
+
+
 @dataclass(frozen=True)
 class Stepper:
     """The step rule of one problem.
 
     Attributes
     ----------
-    operators : Operators
-        M, R and K.
     kinetics : Kinetics
         f and g.
     scheme : Scheme
         The coefficients.
-    solve_for : callable
-        Takes the weight w, in tu, and returns the solve of (M + w K) x = b; remembers a few.
-    forget : callable
-        Forgets the solves that it remembers.
-    lumped : (n,) float
-        Row sums of M, in su^2.
-    resting : (n,) bool or None
-        Nodes without reaction, where v stays; None if there are none.
+    excitable : (n,) bool
+        Nodes with a reaction; v stays at the others.
+    single : callable
+        Does a step of a scheme: ``Multistep`` in NumPy, or the compiled march.
     """
 
-    operators: Operators
     kinetics: Kinetics
     scheme: Scheme
-    solve_for: Callable[[float], Solve]
-    forget: Callable[[], None]
-    lumped: Floats
-    resting: Mask | None
-
-    @classmethod
-    def of(
-        cls, operators: Operators, kinetics: Kinetics, *, scheme: Scheme, factory: SolverFactory
-    ) -> "Stepper":
-        """Return the step rule; matrices are made, and factorised, when first asked for."""
-
-        @lru_cache(maxsize=6)
-        def solve_for(weight: float) -> Solve:
-            return factory(_system(operators, weight))
-
-        excitable = operators.excitable_nodes
-        resting = None if excitable.all() else ~excitable
-        lumped = np.asarray(operators.mass.sum(axis=1), dtype=np.float64)
-        forget = solve_for.cache_clear
-        return cls(operators, kinetics, scheme, solve_for, forget, lumped, resting)
+    excitable: Mask
+    single: Single
 
     def begin(self, state: Floats) -> Past:
         """Return a past that consists of one state."""
@@ -96,8 +85,7 @@ class Stepper:
     def reaction(self, state: Floats) -> Floats:
         """Return f and g, (2, n); g is 0 where nothing is excitable."""
         reaction = np.array(self.kinetics.rates(state[0], state[1]))
-        if self.resting is not None:
-            reaction[1, self.resting] = 0.0
+        reaction[1, ~self.excitable] = 0.0
         return reaction
 
     def is_deep(self, past: Past) -> bool:
@@ -114,19 +102,55 @@ class Stepper:
         number of them leaves the order of the whole alone.
         """
         if self.is_deep(past):
-            return self.multistep(self.scheme, past, dt, current)
+            return self.single(self.scheme, past, dt, current)
         euler = SCHEMES["imex_euler"]
         newest = Past(past.states[:1], past.reactions[:1])
-        whole = self.multistep(euler, newest, dt, current)
-        half = self.multistep(euler, newest, dt / 2, current)
-        both = self.multistep(euler, self.begin(half.state), dt / 2, current)
+        half = self.single(euler, newest, dt / 2, current, START)
+        both = self.single(euler, self.begin(half.state), dt / 2, current, START)
+        whole = self.single(euler, newest, dt, current, START)
+        # memory: in place
+        state = both.state
+        state *= 2.0
+        state -= whole.state
         return Advance(
-            2.0 * both.state - whole.state,
+            state,
             whole.iterations + half.iterations + both.iterations,
             whole.seconds + half.seconds + both.seconds,
         )
 
-    def multistep(self, scheme: Scheme, past: Past, dt: float, current: Floats | None) -> Advance:
+
+@dataclass(frozen=True)
+class Multistep:
+    """Steps in NumPy: the reference.
+
+    Attributes
+    ----------
+    operators : Operators
+        M, R and K.
+    solve_for : callable
+        Takes the weight w, in tu, and returns the solve of (M + w K) x = b; remembers a few.
+    lumped : (n,) float
+        Row sums of M, in su^2.
+    """
+
+    operators: Operators
+    solve_for: Callable[[float], Solve]
+    lumped: Floats
+
+    @classmethod
+    def of(cls, operators: Operators, factory: SolverFactory) -> "Multistep":
+        """Return the steps; matrices are made, and factorised, when first asked for."""
+
+        @lru_cache(maxsize=6)
+        def solve_for(weight: float) -> Solve:
+            return factory(_system(operators, weight))
+
+        lumped = np.asarray(operators.mass.sum(axis=1), dtype=np.float64)
+        return cls(operators, solve_for, lumped)
+
+    def __call__(
+        self, scheme: Scheme, past: Past, dt: float, current: Floats | None, strictness: float = 1.0
+    ) -> Advance:
         """Return the state one step of the scheme on, everything divided by its first a_j."""
         mass, reaction_mass = self.operators.mass, self.operators.reaction_mass
         a0 = scheme.state[0]
@@ -140,7 +164,7 @@ class Stepper:
         else:
             rhs = mass @ known[0] + reaction_mass @ pushed[0]
             known += pushed
-        scale = self.lumped * known[0]
+        scale = strictness * self.lumped * known[0]
         if len(scheme.implicit) > 1:
             earlier = [state[0] for state in past.states]
             weights = [dt * b / a0 for b in scheme.implicit[1:]]

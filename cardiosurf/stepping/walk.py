@@ -15,10 +15,37 @@ from cardiosurf.stepping.controls import Controls
 from cardiosurf.stepping.moment import Checkpoint, Moment
 from cardiosurf.stepping.place import Cost, Place, Stride, Wishes, check, located
 from cardiosurf.stepping.schedule import Pulse, Segment, current, pending, schedule, switch_on
-from cardiosurf.stepping.stepper import Advance, Past, Stepper
+from cardiosurf.stepping.stepper import Advance, Multistep, Past, Stepper
 
 if TYPE_CHECKING:
     from cardiosurf.stepping.compiled.engine import Engine
+
+
+class Handover:
+    """Matrices for one march, which is the only one to hold them once it has begun.
+
+    The compiled march needs them only until it has laid them out in an order of its own.
+
+    Parameters
+    ----------
+    operators : Operators
+        M, R and K.
+    """
+
+    def __init__(self, operators: Operators) -> None:
+        self._held = [operators]
+
+    def take(self) -> Operators:
+        """Return the matrices and forget them.
+
+        Raises
+        ------
+        LookupError
+            Somebody took them before.
+        """
+        if not self._held:
+            raise LookupError("the matrices were handed over for one march, which has begun")
+        return self._held.pop()
 
 
 @dataclass(frozen=True)
@@ -27,7 +54,7 @@ class Problem:
 
     Attributes
     ----------
-    operators : Operators
+    operators : Operators or Handover
         M, R and K.
     kinetics : Kinetics
         f and g.
@@ -37,10 +64,15 @@ class Problem:
         u and v at time 0, before any pulse; None for u = v = 0.
     """
 
-    operators: Operators
+    operators: Operators | Handover
     kinetics: Kinetics
     pulses: tuple[Pulse, ...] = ()
     initial: Floats | None = None
+
+    def take(self) -> Operators:
+        """Return the matrices; those that were handed over are forgotten."""
+        given = self.operators
+        return given.take() if isinstance(given, Handover) else given
 
 
 def walk(
@@ -51,15 +83,9 @@ def walk(
     In machine code only those steps are yielded that are wished for. Parameters and errors are
     those of ``march``.
     """
-    stepper = Stepper.of(
-        problem.operators,
-        problem.kinetics,
-        scheme=controls.scheme,
-        factory=controls.solver.factory,
-    )
+    stepper, engine = _stepper(problem, controls, wishes)
     place, past, plan = _take_up(problem, controls, stepper, start)
     yield Stride(_moment(place, past, past.states[0], place.time), None)
-    engine, compiles = None, is_compiled(problem, controls)
     for segment, behind in plan:
         place = Place(place.step, segment, behind)
         to_come = pending(problem.pulses, segment, controls.end)
@@ -71,12 +97,10 @@ def walk(
             del before
         source = current(problem.pulses, segment)
         while place.done < segment.count:
-            if compiles and stepper.is_deep(past):
+            if engine is not None and stepper.is_deep(past):
                 from cardiosurf.stepping.compiled.steps import Stretch, compiled_steps
 
-                # memory: the matrices of the starting steps go first, then the states
-                stepper.forget()
-                engine = engine or _engine(problem, controls, wishes)
+                # memory: the engine has states of its own
                 engine.load(past.states)
                 past = Past((), ())
                 stretch = Stretch(place, source, to_come)
@@ -109,19 +133,27 @@ def is_compiled(problem: Problem, controls: Controls) -> bool:
     return controls.execution.jit and known and controls.solver.tolerance is not None
 
 
-def _engine(problem: Problem, controls: Controls, wishes: Wishes) -> "Engine":
-    """Return the compiled march of a problem that it knows (``is_compiled``)."""
+def _stepper(
+    problem: Problem, controls: Controls, wishes: Wishes
+) -> tuple[Stepper, "Engine | None"]:
+    """Return the step rule of a problem, and what marches it in machine code, if that knows it."""
+    operators = problem.take()
+    excitable = operators.excitable_nodes
+    if not is_compiled(problem, controls):
+        steps = Multistep.of(operators, controls.solver.factory)
+        return Stepper(problem.kinetics, controls.scheme, excitable, steps), None
     # numba is imported only where something is marched with it
     from cardiosurf.stepping.compiled.engine import Engine
 
-    return Engine(
-        problem.operators,
+    engine = Engine(
+        operators,
         problem.kinetics,
         controls.scheme,
         tolerance=controls.solver.tolerance or 0.0,
         watch=wishes.watch,
-        threads=controls.execution.fit(problem.operators.mass.shape[0]).threads or 1,
+        threads=controls.execution.fit(len(excitable)).threads or 1,
     )
+    return Stepper(problem.kinetics, controls.scheme, excitable, engine.single), engine
 
 
 def _take_up(
@@ -130,8 +162,8 @@ def _take_up(
     """Return where the march begins, its past, and the segments to come with the steps done."""
     whole = schedule(problem.pulses, step=controls.step.step, end=controls.end)
     if start is None:
-        n = problem.operators.mass.shape[0]
-        state = np.zeros((2, n)) if problem.initial is None else np.array(problem.initial)
+        nothing = np.zeros((2, len(stepper.excitable)))
+        state = nothing if problem.initial is None else np.array(problem.initial)
         # a segment without length, all done: the pulses at time 0 are still to come
         place = Place(0, Segment(0.0, 0.0, 1), 1)
         return place, stepper.begin(state), [(segment, 0) for segment in whole]

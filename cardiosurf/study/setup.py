@@ -9,7 +9,7 @@ from cardiosurf.errors import InputError
 from cardiosurf.fem.operators import assemble
 from cardiosurf.geometry.surface import Surface
 from cardiosurf.stepping.controls import Controls, Execution, decide
-from cardiosurf.stepping.march import Problem
+from cardiosurf.stepping.march import Handover, Problem
 from cardiosurf.study.edges import anisotropy, edge_of
 from cardiosurf.study.surface_cache import surface_of
 from cardiosurf.tissue.stimuli import Pulse, build_pulses
@@ -86,7 +86,7 @@ def set_up(config: Config, execution: Execution | None = None) -> Setup:
         accuracy=config.accuracy,
         execution=execution,
     )
-    problem = Problem(operators, config.kinetics, pulses)
+    problem = Problem(Handover(operators), config.kinetics, pulses)
     return Setup(surface, edge, tissue, pulses, problem, controls)
 
 

@@ -75,7 +75,7 @@ def assert_same_events(ours, reference, *, rel):
         assert mine == pytest.approx(theirs, rel=rel)
 
 
-def assert_same_march(problem, end, *, rel=1e-6, **how):
+def assert_same_march(problem, end, *, rel=1e-6, counts=True, **how):
     """Both do the same operations in another order.
 
     But for rounding they could differ only where a residual meets its goal within rounding: by one
@@ -85,7 +85,8 @@ def assert_same_march(problem, end, *, rel=1e-6, **how):
     reference, expected = activations(problem, controls(end, jit=False, **how))
     assert (outcome.engine, expected.engine) == ("compiled", "numpy")
     assert (outcome.end_time, outcome.reason) == (expected.end_time, expected.reason)
-    assert outcome.iterations == pytest.approx(expected.iterations, rel=0.2)
+    if counts:
+        assert outcome.iterations == pytest.approx(expected.iterations, rel=0.2)
     assert_same_events(ours, reference, rel=rel)
 
 
@@ -103,9 +104,27 @@ def test_every_scheme_marches_as_in_numpy(wave, scheme):
     assert_same_march(wave[1], 700.0, scheme=scheme)
 
 
+def rounded(matrix, row_sums):
+    """The matrix with entries in single precision beside the diagonal, and the given row sums."""
+    beside = matrix - diags_array(matrix.diagonal())
+    beside = csr_array(beside.astype(np.float32), dtype=float)
+    return csr_array(beside + diags_array(row_sums - beside.sum(axis=1)))
+
+
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_only_rounding_is_different_where_the_solver_leaves_nothing(wave, scheme):
-    assert_same_march(wave[1], 300.0, scheme=scheme, tolerance=1e-13, rel=1e-10)
+    _, problem = wave
+    op = problem.operators
+    mass = rounded(op.mass, op.mass.sum(axis=1))
+    single = Operators(mass, mass, rounded(op.stiffness, np.zeros(mass.shape[0])))
+    problem = replace(problem, operators=single)
+    # the matrices are rounded to 6e-8, but all else is not, conjugate gradients included
+    assert_same_march(problem, 300.0, scheme=scheme, tolerance=1e-13, rel=1e-10, counts=False)
+
+
+def test_matrices_in_single_precision_move_activation_by_less_than_their_rounding(wave):
+    # 6e-8 in each entry, of either sign
+    assert_same_march(wave[1], 300.0, tolerance=1e-13, rel=3e-7, counts=False)
 
 
 @pytest.mark.parametrize("mass", ["blended", "lumped", "consistent"])
@@ -270,7 +289,8 @@ def test_each_march_goes_on_from_the_others_checkpoint(wave, first):
     rest = Impatient()
     march(problem, controls(200.0, jit=not first), (rest,), start=start)
     march(problem, controls(200.0), (whole,))
-    assert rest.moments[-1].state == pytest.approx(whole.moments[-1].state, abs=1e-10)
+    # u rises by 1 over 10 tu, and matrices in single precision move LAT by 1e-7 of 200 tu
+    assert rest.moments[-1].state == pytest.approx(whole.moments[-1].state, abs=1e-6)
 
 
 def test_a_matrix_that_is_not_positive_ends_the_march():
@@ -302,7 +322,7 @@ def test_rows_hold_the_matrices_in_another_order():
     _, op = sheet(50, 45, tensor=(3.0, 1.0))
     arrangement = arrange(op)
     rows, vertex = arrangement.rows, arrangement.vertex
-    weigh(arrangement, 0.7)
+    weigh(rows, 0.7)
     n = len(vertex)
     assert n % GROUP > 0
     assert np.array_equal(np.sort(vertex), np.arange(n))
@@ -311,22 +331,29 @@ def test_rows_hold_the_matrices_in_another_order():
     system = mass + 0.7 * op.stiffness[vertex][:, vertex].toarray()
     root = np.sqrt(system.diagonal())
     lumped = mass.sum(axis=1)
-    for values, matrix in ((rows.mass, mass), (rows.system, system)):
-        scaled = matrix / root / root[:, None]
-        beside = scaled - np.diag(scaled.diagonal())
-        assert entries(rows, n, values) == pytest.approx(beside, abs=1e-14)
-    nodal = (mass.diagonal() / root**2, root, 1.0 / root, lumped / root)
-    assert rows.nodal[:, :n] == pytest.approx(np.array(nodal), rel=1e-14)
+    stiffness = op.stiffness[vertex][:, vertex].toarray()
+    scaled = system / root / root[:, None]
+    for values, matrix in (
+        (rows.mass, mass),
+        (rows.stiffness, stiffness),
+        (rows.system, scaled),
+    ):
+        beside = matrix - np.diag(matrix.diagonal())
+        # single precision: 6e-8 of an entry, of M and w K where their sum is small
+        np.testing.assert_allclose(entries(rows, n, values), beside, rtol=1.3e-7, atol=1e-8)
+    assert rows.nodal[0, :n] == pytest.approx(lumped, rel=1e-14)
+    # the diagonal follows from entries in single precision
+    assert rows.nodal[1, :n] == pytest.approx(1.0 / root, rel=1e-7)
 
 
 def test_rows_of_matrices_with_different_patterns():
-    stiffness = csr_array(np.array([[2.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 0.0]]))
+    stiffness = csr_array(np.array([[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 0.0]]))
     mass = csr_array(np.array([[1.0, 0.0, 0.25], [0.0, 1.0, 0.0], [0.25, 0.0, 1.0]]))
     arrangement = arrange(Operators(mass, mass, stiffness))
-    weigh(arrangement, 1.0)
+    weigh(arrangement.rows, 1.0)
     order, rows = arrangement.vertex, arrangement.rows
     system = (mass + stiffness).toarray()[order][:, order]
-    root = rows.nodal[1, :3]
+    root = 1.0 / rows.nodal[1, :3]
     assert root**2 == pytest.approx(system.diagonal())
     beside = system - np.diag(system.diagonal())
     assert entries(rows, 3, rows.system) * root * root[:, None] == pytest.approx(beside)

@@ -35,6 +35,7 @@ from cardiosurf.stepping.compiled.work import FIRST_SLOTS, Rule, make_work, scar
 from cardiosurf.stepping.moment import Crossings, Trace, crossings_between
 from cardiosurf.stepping.schemes import Scheme
 from cardiosurf.stepping.solvers import not_converged
+from cardiosurf.stepping.stepper import Advance, Past
 
 LEAST_STEPS, MOST_STEPS = 8, 256
 SECONDS = 0.05
@@ -92,7 +93,7 @@ class Engine:
     Parameters
     ----------
     operators : Operators
-        M, R and K.
+        M, R and K, of which nothing is kept but what the engine makes of them.
     kinetics : Kinetics
         A model of the registry.
     scheme : Scheme
@@ -157,6 +158,40 @@ class Engine:
             np.take(work.fields[work.slots[slot]], row, out=state[place])
         return state
 
+    def single(
+        self, scheme: Scheme, past: Past, dt: float, current: Floats | None, strictness: float = 1.0
+    ) -> Advance:
+        """Return one step of a scheme from a given past.
+
+        Parameters
+        ----------
+        scheme : Scheme
+            As deep as the past at the most.
+        past : Past
+            The last states.
+        dt : float
+            The step, in tu.
+        current : (n,) float or None
+            The current that is on, in 1/tu.
+        strictness : float
+            Factor on the tolerance.
+
+        Raises
+        ------
+        NumericalError
+            Conjugate gradients did not converge.
+        """
+        self.load(past.states)
+        work = self._fit(current)
+        rule = self._rule(scheme, dt, pending=True)
+        rule = rule._replace(tolerance=strictness * self._tolerance)
+        work.report[:] = 0
+        seconds = self._run(rule, work, np.array((0.0, dt)))
+        if self.failure is not None:
+            raise self.failure
+        slots = (U0, V0) if self.broken is None else (NEW_U, NEW_V)
+        return Advance(self._state(*slots), int(work.report[ITERATIONS]), seconds)
+
     def go(self, times: Floats, dt: float, source: Floats | None, *, pending: bool) -> Leg:
         """Do steps of dt up to the given times, or up to where rest begins or ends.
 
@@ -178,7 +213,7 @@ class Engine:
         """
         begun = perf_counter()
         work = self._fit(source)
-        rule = self._rule(dt, pending)
+        rule = self._rule(self._scheme, dt, pending=pending)
         work.report[:] = 0
         marching = self._run(rule, work, times)
         self.strides += 1
@@ -215,15 +250,14 @@ class Engine:
             self._source = source
         return self._work
 
-    def _rule(self, dt: float, pending: bool) -> Rule:
-        """Return the step's numbers, and have the matrix that it needs."""
-        scheme = self._scheme
+    def _rule(self, scheme: Scheme, dt: float, *, pending: bool) -> Rule:
+        """Return a step's numbers, and have the matrix that it needs."""
         a0, b0 = scheme.state[0], scheme.implicit[0]
         state = [-a / a0 for a in scheme.state[1:]]
         push = [dt * c / a0 for c in scheme.explicit]
         weight = dt * b0 / a0
         if weight != self._weight:
-            weigh(self._arrangement, weight)
+            weigh(self._arrangement.rows, weight)
             self._weight = weight
         return Rule(
             constants=self._constants,

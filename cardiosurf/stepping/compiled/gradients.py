@@ -56,14 +56,16 @@ def solve(vectors: Any, system: Any, notes: Any, shares: Any, error: float, goal
     """Iterate conjugate gradients from the residual's square ``error`` down to the goal.
 
     With the products r q and q q the new residual is known before it is written: one pass over
-    the matrix and one over the vectors an iteration. ``vectors`` are p, r, q, u and D^-1/2,
-    ``notes`` sums, report and reals of the work space. Returns how far u is to go along p at last,
-    and the iterations (-1: given up).
+    the matrix and one over the vectors an iteration. They correct a guess, whose residual was
+    found in double precision, so single precision is enough for them (docs/numerics.md).
+    ``vectors`` are p, r, q and x, ``notes`` sums, report and reals of the work space. Returns how
+    far to go along p at last, whether there is a way done before, and the iterations (-1: given
+    up).
     """
     share, threads = shares
-    p, r, q, _, _ = vectors
+    p, r, q, _ = vectors
     sums, report, reals = notes
-    iterations, along = 0, 0.0
+    iterations, along, moved = 0, 0.0, False
     while not error <= goal:
         multiply(p, r if iterations else p, q, system, sums, share)
         meet(report, threads)
@@ -80,7 +82,8 @@ def solve(vectors: Any, system: Any, notes: Any, shares: Any, error: float, goal
         iterations += 1
         if expected <= goal:
             break
-        update(vectors, along, expected / error, iterations == 1, sums, share)
+        turn = np.float32(expected / error)
+        update(vectors, np.float32(along), turn, iterations == 1, sums, share)
         meet(report, threads)
-        error, along = total(sums, ERROR), 0.0
-    return along, iterations
+        error, along, moved = total(sums, ERROR), 0.0, True
+    return np.float32(along), moved, iterations

@@ -22,12 +22,12 @@ from cardiosurf.stepping.compiled.machine import (
 )
 from cardiosurf.stepping.limits import BLOW_UP, REST_LEVEL, THRESHOLD
 
-DIAGONAL, ROOT, INVERSE, SCALE = range(4)
+LUMPED, INVERSE = range(2)
 """Rows of ``rows.nodal``."""
 U0, U1, U2, U3, NEW_U, V0, V1, NEW_V = range(8)
 """Places in the slots: the four newest potentials, the new one, two recoveries, the new one."""
-P, R, Q, FIRST_STATE = range(4)
-"""Rows of ``work.fields``: direction, residual, image of the direction; then the states."""
+R, Q, X = range(3)
+"""Rows of ``work.singles``: residual, image of the direction, the way done from the guess."""
 SIZE, ERROR, PQ, RQ, QQ, UNSOUND, BROKEN, WARM, CROSSED = np.arange(9)
 """Columns of ``work.sums``; of a type of their own, or ``total`` is compiled for each of them."""
 
@@ -39,27 +39,30 @@ SIX_FOURS = SIX * FOUR
 def prepare(streams: Any, active: Any, rule: Any, guess: Any, sums: Any, share: Any) -> None:
     """Write what is known, what is guessed, and the new recovery.
 
+    The guess is extrapolated from the last potentials, unless its weights are all zero: it is the
+    new potential as it stands then.
+
     known = sum of past states + dt times past reactions. With e, the earlier implicit terms, the
-    residual of the guess is M (known - guess) - w K (guess + e) = M (known + e) - A (guess + e);
-    ``vectors`` holds D^1/2 (known + e) and D^1/2 (guess + e).
+    residual of the guess is M (known - guess) - w K (guess + e); ``vectors`` holds the two.
     """
-    u0, u1, u2, u3, new_u, v0, v1, new_v, root, scale, vectors = streams
+    u0, u1, u2, u3, new_u, v0, v1, new_v, lumped, inverse, vectors = streams
     a0, a1, f0, f1, b1 = rule.state0, rule.state1, rule.push0, rule.push1, rule.implicit1
     g0, g1, g2, g3, c = guess[0], guess[1], guess[2], guess[3], rule.constants
     first, last, extents = share
+    given = g0 == 0.0
     for block in range(first, last):
         size, broken = 0.0, 0
         for i in range(extents[block], extents[block + 1]):
             here, before = rates(c, u0[i], v0[i]), rates(c, u1[i], v1[i])
             on = np.float64(active[i])
             known = a0 * u0[i] + a1 * u1[i] + on * (f0 * here[0] + f1 * before[0])
-            guessed = g0 * u0[i] + g1 * u1[i] + g2 * u2[i] + g3 * u3[i]
+            extrapolated = g0 * u0[i] + g1 * u1[i] + g2 * u2[i] + g3 * u3[i]
+            guessed = new_u[i] if given else extrapolated
             v = a0 * v0[i] + a1 * v1[i] + on * (f0 * here[1] + f1 * before[1])
-            earlier = b1 * u0[i]
             new_u[i] = guessed
             new_v[i] = v
-            vectors[i] = complex(root[i] * (known + earlier), root[i] * (guessed + earlier))
-            weighed = scale[i] * known
+            vectors[i] = complex(known - guessed, guessed + b1 * u0[i])
+            weighed = lumped[i] * inverse[i] * known
             size += weighed * weighed
             broken += not abs(v) < np.inf
         sums[block, SIZE] = size
@@ -67,25 +70,26 @@ def prepare(streams: Any, active: Any, rule: Any, guess: Any, sums: Any, share: 
 
 
 @apart
-def residual(p: Any, vectors: Any, diagonal: Any, rows: Any, sums: Any, share: Any) -> None:
+def residual(p: Any, vectors: Any, nodal: Any, rows: Any, sums: Any, share: Any) -> None:
     """Write the residual of the guess, scaled by D^-1/2: the first direction."""
-    start, longer, columns, pair = rows
+    start, longer, columns, pair, weight = rows
+    lumped, inverse = nodal
     first, last, extents = share
     for block in range(first, last):
         low, high = extents[block], extents[block + 1]
         row, entry = low, start[low // FOUR]
         for _ in range(low // FOUR, longer[block]):
-            six_differences(pair, vectors, columns, entry, (p, row))
+            six_differences(pair, vectors, columns, entry, (p, row, lumped, inverse, weight))
             row, entry = row + FOUR, entry + SIX_FOURS
         for group in range(longer[block], (high + FOUR - ONE) // FOUR):
-            six_differences(pair, vectors, columns, start[group], (p, row))
+            target = (p, row, lumped, inverse, weight)
+            six_differences(pair, vectors, columns, start[group], target)
             for more in range(start[group] + SIX_FOURS, start[group + 1], FOUR):
-                add_difference(pair, vectors, columns, more, (p, row))
+                add_difference(pair, vectors, columns, more, target)
             row += FOUR
         error = 0.0
         for i in range(low, high):
-            value = p[i] + (diagonal[i] * vectors[i].real - vectors[i].imag)
-            p[i] = value
+            value = np.float64(p[i])
             error += value * value
         sums[block, ERROR] = error
 
@@ -110,41 +114,45 @@ def multiply(p: Any, r: Any, q: Any, rows: Any, sums: Any, share: Any) -> None:
         for i in range(low, high):
             value = p[i] + q[i]
             q[i] = value
-            pq += value * p[i]
-            rq += value * r[i]
-            qq += value * value
+            image = np.float64(value)
+            pq += image * np.float64(p[i])
+            rq += image * np.float64(r[i])
+            qq += image * image
         sums[block, PQ], sums[block, RQ], sums[block, QQ] = pq, rq, qq
 
 
 @apart
-def update(streams: Any, along: float, turn: float, begins: bool, sums: Any, share: Any) -> None:
-    """Go along p, and turn it: u += D^-1/2 along p, r -= along q, p = r + turn p.
+def update(streams: Any, along: Any, turn: Any, begins: bool, sums: Any, share: Any) -> None:
+    """Go along p, and turn it: x += along p, r -= along q, p = r + turn p.
 
-    Where it begins, the residual is the direction still.
+    Where it begins, the residual is the direction still, and no way is done.
     """
-    p, r, q, u, inverse = streams
+    p, r, q, x = streams
     first, last, extents = share
     for block in range(first, last):
         error = 0.0
         for i in range(extents[block], extents[block + 1]):
             old = p[i]
-            u[i] += inverse[i] * along * old
+            way = along * old
+            x[i] = way if begins else x[i] + way
             value = (old if begins else r[i]) - along * q[i]
             r[i] = value
             p[i] = value + turn * old
-            error += value * value
+            error += np.float64(value) * np.float64(value)
         sums[block, ERROR] = error
 
 
 @apart
-def finish(p: Any, new: Any, old: Any, inverse: Any, along: float, more: Any) -> None:
-    """Write the new potential, u + D^-1/2 along p, and count what matters of it."""
+def finish(way: Any, new: Any, old: Any, inverse: Any, along: Any, more: Any) -> None:
+    """Write the new potential, u + D^-1/2 (x + along p), and count what matters of it."""
+    p, x, moved = way
     sums, share = more
     first, last, extents = share
     for block in range(first, last):
         warm, crossed, broken = 0, 0, 0
         for i in range(extents[block], extents[block + 1]):
-            u = new[i] + inverse[i] * along * p[i]
+            way_done = along * p[i] + (x[i] if moved else np.float32(0.0))
+            u = new[i] + inverse[i] * np.float64(way_done)
             new[i] = u
             warm += u > REST_LEVEL
             crossed += (u > THRESHOLD) != (old[i] > THRESHOLD)

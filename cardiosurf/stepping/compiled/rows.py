@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from cardiosurf.arrays import Floats, Ints, Matrix
+from cardiosurf.arrays import Floats, Ints, Matrix, Singles
 from cardiosurf.fem.operators import Operators
 from cardiosurf.stepping.compiled.machine import GROUP
 
@@ -21,13 +21,17 @@ CHUNK = 4 * BLOCK
 
 
 class Rows(NamedTuple):
-    """M and A = M + w K row by row, in an order of their own, scaled by D^-1/2 on both sides.
+    """M, K and A = M + w K row by row, in an order of their own.
 
-    D is the diagonal of A. Neighbours are near one another (reverse Cuthill-McKee), and within a
-    block rows with as many neighbours stand together. Four rows make a group, which is done at
-    once: their first entries lie side by side, then their second ones, and so on. A group has as
-    many entries as its longest row, and at least six: nearly all have exactly six, and the loop
-    over these is unrolled. What is missing is filled up with zeros.
+    Neighbours are near one another (reverse Cuthill-McKee), and within a block rows with as many
+    neighbours stand together. Four rows make a group, which is done at once: their first entries
+    lie side by side, then their second ones, and so on. A group has as many entries as its longest
+    row, and at least six: nearly all have exactly six, and the loop over these is unrolled. What
+    is missing is filled up with zeros.
+
+    Entries are those beside the diagonal, in single precision. What stands on the diagonal
+    follows from the row sums, which are exact: the lumped mass for M and nothing for K. So a
+    potential that is the same everywhere stays so, and charge is kept (docs/numerics.md).
 
     Attributes
     ----------
@@ -37,11 +41,12 @@ class Rows(NamedTuple):
         First group of each block that has more than six entries a row.
     columns : (z,) uint32
         The neighbour that an entry belongs to; 0 where it was filled up.
-    mass, system : (z,) float
-        Its entries in D^-1/2 M D^-1/2 and D^-1/2 A D^-1/2; ``weigh`` sets them.
-    nodal : (4, m) float
-        The diagonal of D^-1/2 M D^-1/2, D^1/2, D^-1/2, and D^-1/2 times the row sums of M:
-        see ``passes.DIAGONAL``; ``weigh`` sets them.
+    mass, stiffness : (z,) float32
+        Its entries in M and K.
+    system : (z,) float32
+        Its entry in D^-1/2 A D^-1/2, D the diagonal of A; ``weigh`` sets them.
+    nodal : (2, m) float
+        The row sums of M and D^-1/2: see ``passes.LUMPED``; ``weigh`` sets the latter.
     extents : (b + 1,) uint64
         First row of each block, and n.
     """
@@ -49,8 +54,9 @@ class Rows(NamedTuple):
     start: NDArray[np.uint64]
     longer: NDArray[np.uint64]
     columns: NDArray[np.uint32]
-    mass: Floats
-    system: Floats
+    mass: Singles
+    stiffness: Singles
+    system: Singles
     nodal: Floats
     extents: NDArray[np.uint64]
 
@@ -66,24 +72,22 @@ class Arrangement(NamedTuple):
         The vertex of each row.
     row : (n,) int32
         The row of each vertex.
-    mass, stiffness : csr_array
-        M and K in the order of the vertices, with the same pattern and a full diagonal.
     """
 
     rows: Rows
     vertex: NDArray[np.int32]
     row: NDArray[np.int32]
-    mass: Matrix
-    stiffness: Matrix
 
 
 def arrange(operators: Operators) -> Arrangement:
-    """Lay the pattern of mass and stiffness out in rows; ``weigh`` brings the numbers.
+    """Lay mass and stiffness out in rows; ``weigh`` makes the matrix of a step of them.
+
+    Nothing of the operators is kept.
 
     Parameters
     ----------
     operators : Operators
-        The matrices; two with the same pattern are shared, others copied.
+        M and K.
     """
     mass, stiffness = _same_pattern(operators.mass, operators.stiffness)
     n = mass.shape[0]
@@ -104,52 +108,65 @@ def arrange(operators: Operators) -> Arrangement:
         start=start,
         longer=(np.arange(0, len(longest), BLOCK // GROUP) + sixes).astype(np.uint64),
         columns=np.zeros(start[-1], dtype=np.uint32),
-        mass=np.zeros(start[-1]),
-        system=np.zeros(start[-1]),
-        nodal=np.zeros((4, full)),
+        mass=np.zeros(start[-1], dtype=np.float32),
+        stiffness=np.zeros(start[-1], dtype=np.float32),
+        system=np.zeros(start[-1], dtype=np.float32),
+        nodal=np.zeros((2, full)),
         extents=np.append(np.arange(0, n, BLOCK), n).astype(np.uint64),
     )
-    arrangement = Arrangement(rows, vertex, row, mass, stiffness)
-    for place, _, _, column in _pieces(arrangement):
+    rows.nodal[0, :n] = np.asarray(mass.sum(axis=1))[vertex]
+    arrangement = Arrangement(rows, vertex, row)
+    for place, entry, column in _pieces(arrangement, mass):
         rows.columns[place] = column
+        rows.mass[place] = mass.data[entry]
+        rows.stiffness[place] = stiffness.data[entry]
     return arrangement
 
 
-def weigh(arrangement: Arrangement, w: float) -> None:
-    """Set the matrices of a step for a weight w, in tu."""
-    rows, vertex, _, mass, stiffness = arrangement
-    diagonal = mass.diagonal()[vertex]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        # a matrix that is not positive is found out by conjugate gradients
-        root = np.sqrt(diagonal + w * stiffness.diagonal()[vertex])
-        inverse = 1.0 / root
-    lumped = np.asarray(mass.sum(axis=1))[vertex]
-    for k, values in enumerate((diagonal * inverse**2, root, inverse, inverse * lumped)):
-        rows.nodal[k, : len(vertex)] = values
-    for place, entry, owner, column in _pieces(arrangement):
-        scale = inverse[owner] * inverse[column]
-        rows.mass[place] = scale * mass.data[entry]
-        rows.system[place] = scale * (mass.data[entry] + w * stiffness.data[entry])
+def weigh(rows: Rows, w: float) -> None:
+    """Set the matrix of a step for a weight w, in tu."""
+    lumped, inverse = rows.nodal
+    for first, owner, entry in _stretches(rows):
+        beside = rows.mass[entry] + w * rows.stiffness[entry].astype(np.float64)
+        size = len(lumped[first : first + CHUNK])
+        sums = np.bincount(owner - first, beside, minlength=size)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            # a matrix that is not positive is found out by conjugate gradients
+            inverse[first : first + CHUNK] = 1.0 / np.sqrt(lumped[first : first + CHUNK] - sums)
+    # rows that only fill the last group up
+    inverse[lumped == 0.0] = 0.0
+    for _, owner, entry in _stretches(rows):
+        beside = rows.mass[entry] + w * rows.stiffness[entry].astype(np.float64)
+        rows.system[entry] = beside * inverse[owner] * inverse[rows.columns[entry]]
 
 
-def _pieces(arrangement: Arrangement) -> Iterator[tuple[Ints, Ints, Ints, Ints]]:
+def _stretches(rows: Rows) -> Iterator[tuple[int, Ints, slice]]:
+    """Yield the first of some rows, and their entries with the rows that these are in."""
+    for first in range(0, rows.nodal.shape[1], CHUNK):
+        bounds = rows.start[first // GROUP : (first + CHUNK) // GROUP + 1].astype(np.int64)
+        groups = np.repeat(np.arange(len(bounds) - 1), np.diff(bounds))
+        owner = first + GROUP * groups + np.arange(len(groups)) % GROUP
+        yield first, owner, slice(int(bounds[0]), int(bounds[-1]))
+
+
+def _pieces(arrangement: Arrangement, pattern: Matrix) -> Iterator[tuple[Ints, Ints, Ints]]:
     """Yield the entries beside the diagonal, some rows at a time.
 
-    Yields their places in ``Rows``, their numbers in the matrices, and their rows and columns.
+    Yields their places in ``Rows``, their numbers in the matrices, and their columns.
     """
-    rows, vertex, row, mass, _ = arrangement
+    rows, vertex, row = arrangement
     for first in range(0, len(vertex), CHUNK):
         some = vertex[first : first + CHUNK]
-        begin = mass.indptr[some].astype(np.int64)
-        count = mass.indptr[some + 1] - begin
+        begin = pattern.indptr[some].astype(np.int64)
+        count = pattern.indptr[some + 1] - begin
         entry = np.repeat(begin, count) + _ranks(count)
         owner = np.repeat(np.arange(first, first + len(some)), count)
-        column = row[mass.indices[entry]]
+        column = row[pattern.indices[entry]]
         beside = column != owner
         entry, owner, column = entry[beside], owner[beside], column[beside]
         group, lane = np.divmod(owner, GROUP)
         place = rows.start[group].astype(np.int64) + GROUP * _ranks(count - 1) + lane
-        yield place, entry, owner, column
+        yield place, entry, column
 
 
 def _ranks(count: Ints) -> Ints:

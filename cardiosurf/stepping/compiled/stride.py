@@ -21,13 +21,11 @@ from cardiosurf.stepping.compiled.laws import rates
 from cardiosurf.stepping.compiled.passes import (
     BROKEN,
     CROSSED,
-    DIAGONAL,
     ERROR,
     INVERSE,
+    LUMPED,
     NEW_U,
     NEW_V,
-    ROOT,
-    SCALE,
     SIZE,
     U0,
     U1,
@@ -36,9 +34,9 @@ from cardiosurf.stepping.compiled.passes import (
     V0,
     V1,
     WARM,
-    P,
     Q,
     R,
+    X,
     finish,
     prepare,
     residual,
@@ -50,6 +48,10 @@ DONE, REST_CHANGED, FULL, FULL_AND_REST_CHANGED, UNSOUND, UNSOLVED = range(6)
 numbers that are not finite or too large; conjugate gradients without success."""
 
 UNDERFLOW = 1e-200
+TRUSTED = 1e-4
+"""What conjugate gradients in single precision make of a residual at best, with some to spare."""
+AS_IT_STANDS = np.zeros(4)
+"""Weights of the guess that is there."""
 
 
 class Now(NamedTuple):
@@ -76,11 +78,12 @@ def add_current(streams: Any, nodal: Any, rule: Any, sums: Any, share: Any) -> N
         more = 0.0
         for i in range(extents[block], extents[block + 1]):
             push = rule.current_step * current[i]
-            # known + e and guess + e, of which the new potential is the guess still
-            with_earlier, guess = vectors[i].real, vectors[i].imag
-            known = (with_earlier - guess) * nodal[INVERSE, i] + new[i]
-            more += nodal[SCALE, i] * nodal[SCALE, i] * push * (2.0 * known + push)
-            vectors[i] = complex(with_earlier + nodal[ROOT, i] * push, guess)
+            # known - guess, of which the new potential is the guess still
+            apart_from_guess = vectors[i].real
+            known = apart_from_guess + new[i]
+            scale = nodal[LUMPED, i] * nodal[INVERSE, i]
+            more += scale * scale * push * (2.0 * known + push)
+            vectors[i] = complex(apart_from_guess + push, vectors[i].imag)
         sums[block, SIZE] += more
 
 
@@ -97,12 +100,13 @@ def spare_scar(rows: Any, rule: Any, work: Any, scar: Any, now: Any) -> float:
         for entry in range(scar.start[k], scar.start[k + 1]):
             i = scar.columns[entry]
             here = rates(c, fields[s[U0], i], fields[s[V0], i])
-            before = rates(c, fields[s[U1], i], fields[s[V1], i])
-            share += scar.values[entry] * (rule.push0 * here[0] + rule.push1 * before[0])
+            earlier = rates(c, fields[s[U1], i], fields[s[V1], i])
+            share += scar.values[entry] * (rule.push0 * here[0] + rule.push1 * earlier[0])
         i = scar.rows[k]
-        value = fields[P, i] - rows.nodal[INVERSE, i] * share
-        gain += value * value - fields[P, i] * fields[P, i]
-        fields[P, i] = value
+        before = np.float64(work.direction[i])
+        work.direction[i] = before - rows.nodal[INVERSE, i] * share
+        after = np.float64(work.direction[i])
+        gain += after * after - before * before
     return gain
 
 
@@ -168,21 +172,26 @@ def known_and_guess(nodal: Any, rule: Any, spaces: Any, now: Any, share: Any) ->
     (f, vectors, active, current, sums), s = spaces, now.slots
     potentials = (f[s[U0]], f[s[U1]], f[s[U2]], f[s[U3]], f[s[NEW_U]])
     recoveries = (f[s[V0]], f[s[V1]], f[s[NEW_V]])
-    streams = (*potentials, *recoveries, nodal[ROOT], nodal[SCALE], vectors)
+    streams = (*potentials, *recoveries, nodal[LUMPED], nodal[INVERSE], vectors)
     prepare(streams, active, rule, now.guess, sums, share)
     if len(current) > 0:
         add_current((vectors, f[s[NEW_U]], current), nodal, rule, sums, share)
 
 
-@inlined
-def step(rows: Any, rule: Any, work: Any, scar: Any, now: Any, share: Any) -> Any:
-    """Compute the new state; return the iterations, -1 if conjugate gradients gave up."""
+@apart
+def correct(rows: Any, rule: Any, work: Any, scar: Any, now: Any, share: Any) -> Any:
+    """Correct a guess of the new state; return the iterations (-1: given up), and what is left.
+
+    Single precision corrects to ``TRUSTED`` of the residual at best. What is left is the square of
+    the residual over that of the goal, at least 1 where the guess is to be corrected once more.
+    """
     fields, sums, threads = work.fields, work.sums, rule.threads
     spaces = (fields, work.vectors, work.active, work.current, sums)
     known_and_guess(rows.nodal, rule, spaces, now, share)
     meet(work.report, threads)
-    both = (rows.start, rows.longer, rows.columns, (rows.mass, rows.system))
-    residual(fields[P], work.vectors, rows.nodal[DIAGONAL], both, sums, share)
+    p, singles, nodal = work.direction, work.singles, rows.nodal
+    both = (rows.start, rows.longer, rows.columns, (rows.mass, rows.stiffness), rule.weight)
+    residual(p, work.vectors, (nodal[LUMPED], nodal[INVERSE]), both, sums, share)
     meet(work.report, threads)
     error = total(sums, ERROR)
     if len(scar.rows) > 0:
@@ -191,14 +200,28 @@ def step(rows: Any, rule: Any, work: Any, scar: Any, now: Any, share: Any) -> An
         meet(work.report, threads)
         error += work.reals[GAIN]
     goal = rule.tolerance * rule.tolerance * total(sums, SIZE) + UNDERFLOW
-    new, old, inverse = fields[now.slots[NEW_U]], fields[now.slots[U0]], rows.nodal[INVERSE]
-    vectors = (fields[P], fields[R], fields[Q], new, inverse)
     system = (rows.start, rows.longer, rows.columns, rows.system)
     notes = (sums, work.report, work.reals)
-    along, iterations = solve(vectors, system, notes, (share, threads), error, goal)
+    vectors = (p, singles[R], singles[Q], singles[X])
+    nearer = max(goal, TRUSTED * TRUSTED * error)
+    along, moved, iterations = solve(vectors, system, notes, (share, threads), error, nearer)
     if iterations >= 0:
-        finish(fields[P], new, old, inverse, along, (sums, share))
+        new, old = fields[now.slots[NEW_U]], fields[now.slots[U0]]
+        finish((p, singles[X], moved), new, old, nodal[INVERSE], along, (sums, share))
         meet(work.report, threads)
+    return iterations, nearer / goal
+
+
+@inlined
+def step(rows: Any, rule: Any, work: Any, scar: Any, now: Any, share: Any) -> Any:
+    """Compute the new state; return the iterations, -1 if conjugate gradients gave up."""
+    iterations, left = correct(rows, rule, work, scar, now, share)
+    before, again = np.inf, Now(now.slots, AS_IT_STANDS)
+    # a tolerance below rounding is reached as far as it can be
+    while iterations >= 0 and 1.0 < left < 0.25 * before:
+        before = left
+        more, left = correct(rows, rule, work, scar, again, share)
+        iterations = iterations + more if more >= 0 else more
     return iterations
 
 

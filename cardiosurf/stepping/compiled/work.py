@@ -5,15 +5,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cardiosurf.arrays import Floats, Ints, Matrix
+from cardiosurf.arrays import Floats, Ints, Matrix, Singles
 from cardiosurf.fem.operators import Operators
-from cardiosurf.stepping.compiled.passes import FIRST_STATE, Q, R
 from cardiosurf.stepping.compiled.rows import Arrangement
 
 LEAST_CROSSINGS = 4096
 LINE = 8
 """Numbers in a line of the cache."""
-FIRST_SLOTS = np.arange(FIRST_STATE, FIRST_STATE + 8)
+FIRST_SLOTS = np.arange(8)
 """The rows of ``Work.fields`` that hold u0 u1 u2 u3, the new u, v0 v1 and the new v at first."""
 
 
@@ -70,11 +69,16 @@ class Work(NamedTuple):
 
     Attributes
     ----------
-    fields : (11, m) float
-        Direction, residual and the direction's image, of conjugate gradients; five potentials
-        and three recoveries, which take turns (``slots``). m is n rounded up to full groups.
+    fields : (8, m) float
+        Five potentials and three recoveries, which take turns (``slots``). m is n rounded up to
+        full groups.
     vectors : (m,) complex
-        What M and A are applied to, in the place of residual and image, which come later.
+        What M and K are applied to.
+    singles : (4, m) float32
+        Vectors of conjugate gradients (``passes.R``), in the place of ``vectors``: they come
+        later.
+    direction : (m,) float32
+        Their direction.
     active : (n,) uint8
         1 where the reaction acts.
     current : (n,) or (0,) float
@@ -95,6 +99,8 @@ class Work(NamedTuple):
 
     fields: Floats
     vectors: NDArray[np.complex128]
+    singles: Singles
+    direction: Singles
     active: NDArray[np.uint8]
     current: Floats
     sums: Floats
@@ -122,10 +128,13 @@ def make_work(arrangement: Arrangement, active: NDArray[np.bool_], watch: Ints, 
         The most steps of a stride.
     """
     n, blocks = len(arrangement.vertex), len(arrangement.rows.extents) - 1
-    fields = _lined_up(FIRST_STATE + 8, arrangement.rows.nodal.shape[1])
+    full = arrangement.rows.nodal.shape[1]
+    vectors = _lined_up(2, full)
     return Work(
-        fields=fields,
-        vectors=fields[R : Q + 1].ravel().view(np.complex128),
+        fields=_lined_up(8, full),
+        vectors=vectors.ravel().view(np.complex128),
+        singles=vectors.view(np.float32).reshape(4, full),
+        direction=np.zeros(full, dtype=np.float32),
         active=active[arrangement.vertex].astype(np.uint8),
         current=np.zeros(0),
         sums=np.zeros((blocks, 9)),
