@@ -74,7 +74,7 @@ def threshold(
     overwrite: bool,
     as_json: bool,
 ) -> None:
-    r"""Find the value at which the answer of a run changes.
+    r"""Find the value at which a verdict changes.
 
     The coarsest of three meshes (or more) is scanned; every change of the answer is bisected on
     it, followed to the finer ones, and extrapolated: value +- error. All runs are kept, and a
