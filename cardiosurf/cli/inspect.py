@@ -100,7 +100,7 @@ def mesh(config: str, overrides: tuple[str, ...], output: Path | None, *, overwr
     default="config",
 )
 def schema(what: str) -> None:
-    r"""Print the JSON Schema of a config, a scenario, a verdict or a threshold.
+    r"""Print the JSON Schema of a config or of a result.
 
     An editor with a YAML language server then completes and checks keys while you type:
 

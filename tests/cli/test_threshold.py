@@ -82,6 +82,20 @@ def test_a_stopped_search_goes_on(gap, tmp_path, cardiosurf, monkeypatch):
     assert sum(run["reused"] for run in json.loads(done.stdout)["runs"]) == 3
 
 
+@pytest.mark.slow
+def test_runs_side_by_side_find_the_same(gap, tmp_path, cardiosurf):
+    words = ("threshold", gap, *WIDTH, "--between", 27, 39, *COARSE, "--json")
+    found = []
+    for workers in (1, 2):
+        done = cardiosurf(*words, "--workers", workers, "-o", tmp_path / str(workers))
+        found.append(json.loads(done.stdout)["changes"][0])
+    one, other = found
+    for level, beside in zip(one["levels"], other["levels"], strict=True):
+        # brackets of one change overlap, wherever they were divided
+        assert level["low"] < beside["high"]
+        assert beside["low"] < level["high"]
+
+
 def test_no_change_is_a_finding(gap, tmp_path, cardiosurf):
     words = ("threshold", gap, *WIDTH, "--between", 36, 39, *COARSE, "-o", tmp_path / "out")
     done = cardiosurf(*words)
