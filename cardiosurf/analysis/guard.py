@@ -95,6 +95,6 @@ def _notes(finding: GuardFinding) -> Iterator[str]:
     if finding.agree and finding.converged == "no" and finding.lat_shift is not None:
         yield (
             f"not converged: the verdicts agree, but first activations move by"
-            f" {finding.lat_shift:.1%}, more than the accuracy of {finding.lat_tolerance:.1%};"
+            f" {finding.lat_shift:.2%}, more than the accuracy of {finding.lat_tolerance:.2%};"
             " a smaller mesh.edge_length, or a larger accuracy"
         )

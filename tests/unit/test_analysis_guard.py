@@ -42,7 +42,7 @@ def test_times_beyond_the_accuracy_are_not_converged():
     assert (found.agree, found.converged) == (True, "no")
     assert found.lat_shift == pytest.approx(10.0 / 1100.0)
     (note,) = guarded(VERDICT, found).notes
-    assert "move by 0.9%" in note
+    assert "move by 0.91%" in note
 
 
 def test_times_count_from_the_first_stimulus():
