@@ -4,6 +4,7 @@ A section is a frozen dataclass whose fields *are* the YAML keys. It lives next 
 and knows nothing of YAML; ``cardiosurf.config`` decodes it.
 """
 
+from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 from annotated_types import Ge, Interval
@@ -19,6 +20,32 @@ Strength = Annotated[float, Interval(ge=SMALLEST, le=1e3)]
 Span = Annotated[float, Interval(ge=SMALLEST, le=1e7)]
 Instant = Annotated[float, Interval(ge=0.0, le=1e7)]
 Count = Annotated[int, Ge(1)]
+
+
+@dataclass(frozen=True)
+class Worded:
+    """Marks a section that is written with one of several words, ``{box: ...}``; for messages.
+
+    Attributes
+    ----------
+    what : str
+        What the word stands for: "a region".
+    example : str
+        One as it is written.
+    joined : bool
+        Whether several of them can be joined with ``all`` and ``any``.
+    """
+
+    what: str
+    example: str
+    joined: bool = False
+
+
+def word_of(value: Any) -> str | None:
+    """Return the tag of the one word that a section is written with."""
+    if isinstance(value, dict) and len(value) == 1:
+        return f"({next(iter(value))})"
+    return None
 
 
 class Section:

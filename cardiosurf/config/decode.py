@@ -11,7 +11,6 @@ from pydantic_core import ErrorDetails
 
 from cardiosurf.config.document import Document, KeyPath
 from cardiosurf.config.keys import (
-    Choice,
     choice_of,
     describe,
     fields_of,
@@ -21,6 +20,7 @@ from cardiosurf.config.keys import (
     words_of,
 )
 from cardiosurf.errors import InputError
+from cardiosurf.sections import Worded
 from cardiosurf.spelling import did_you_mean
 
 Root = TypeVar("Root")
@@ -117,8 +117,11 @@ def _mistake(detail: ErrorDetails, root: type) -> _Mistake:
         return _missing(detail, path, annotation, root)
     if kind in {"union_tag_invalid", "union_tag_not_found"}:
         choice = choice_of(annotation)
-        if choice is not None:
-            return _wrong_choice(path, detail["input"], choice)
+        words = [tag.strip("()") for tag in choice.members] if choice is not None else []
+        if choice is not None and choice.worded is not None:
+            return _wrong_word(path, detail["input"], words, choice.worded)
+        if choice is not None and choice.key is not None:
+            return _wrong_choice(path, detail["input"], choice.key, words)
     value = detail["input"]
     problem = f"{show(value)} {_complaint(detail, annotation)}"
     guess = did_you_mean(value, words_of(annotation)) if isinstance(value, str) else ""
@@ -145,35 +148,38 @@ def _missing(detail: ErrorDetails, path: KeyPath, annotation: Any, root: type) -
     return _Mistake(path, f"key {path[-1]!r} is missing", describe(annotation))
 
 
-def _wrong_choice(path: KeyPath, value: Any, choice: Choice) -> _Mistake:
-    words = [tag.strip("()") for tag in choice.members]
-    if not isinstance(value, dict):
-        what = f"a mapping with the key {choice.key!r}" if choice.key else "a region"
-        example = f"{choice.key}: {words[0]}" if choice.key else "{box: {x: [0, 10]}}"
-        return _Mistake(path, f"{show(value)} is not {what}", ", ".join(words), example)
-    if choice.key is None:
-        return _wrong_word(path, value, words)
-    if choice.key not in value:
-        return _Mistake((*path, choice.key), f"key {choice.key!r} is missing", ", ".join(words))
-    given = value[choice.key]
-    guess = did_you_mean(given, words) if isinstance(given, str) else ""
-    problem = f"unknown {choice.key} {show(given)}" + (f", {guess}" if guess else "")
-    return _Mistake((*path, choice.key), problem, ", ".join(words))
-
-
-def _wrong_word(path: KeyPath, value: dict[str, Any], words: list[str]) -> _Mistake:
+def _wrong_choice(path: KeyPath, value: Any, key: str, words: list[str]) -> _Mistake:
     allowed = ", ".join(words)
+    if not isinstance(value, dict):
+        problem = f"{show(value)} is not a mapping with the key {key!r}"
+        return _Mistake(path, problem, allowed, f"{key}: {words[0]}")
+    if key not in value:
+        return _Mistake((*path, key), f"key {key!r} is missing", allowed)
+    given = value[key]
+    guess = did_you_mean(given, words) if isinstance(given, str) else ""
+    problem = f"unknown {key} {show(given)}" + (f", {guess}" if guess else "")
+    return _Mistake((*path, key), problem, allowed)
+
+
+def _wrong_word(path: KeyPath, value: Any, words: list[str], worded: Worded) -> _Mistake:
+    allowed = ", ".join(words)
+    if not isinstance(value, dict):
+        return _Mistake(path, f"{show(value)} is not {worded.what}", allowed, worded.example)
     unknown = [word for word in value if word not in words]
     if unknown:
         guess = did_you_mean(unknown[0], words)
-        problem = f"unknown region word {unknown[0]!r}" + (f", {guess}" if guess else "")
+        kind = worded.what.removeprefix("a ")
+        problem = f"unknown {kind} word {unknown[0]!r}" + (f", {guess}" if guess else "")
         return _Mistake((*path, unknown[0]), problem, allowed)
     if not value:
-        return _Mistake(path, "{} is no region", allowed, "{box: {x: [0, 10]}}")
+        return _Mistake(path, f"{{}} is not {worded.what}", allowed, worded.example)
+    problem = f"{worded.what} has one word, this one has {len(value)}: {', '.join(value)}"
+    if not worded.joined:
+        return _Mistake(path, problem, allowed, worded.example)
     both = ", ".join(f"{{{word}: ...}}" for word in value)
     return _Mistake(
         path,
-        f"a region has one word, this one has {len(value)}: {', '.join(value)}",
+        problem,
         allowed,
         f"{{all: [{both}]}} where they overlap, {{any: [{both}]}} for all of them",
     )

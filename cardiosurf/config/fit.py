@@ -7,12 +7,13 @@ from cardiosurf.config.sections import Config
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.regions import Part, Polar
 from cardiosurf.spelling import did_you_mean
-from cardiosurf.tissue.patches import patch_key
+from cardiosurf.tissue.fibres import ACROSS, ALONG, AngleField, check_names
+from cardiosurf.tissue.patches import Patch, patch_key
 from cardiosurf.tissue.stimuli import EdgeStimulus, stimulus_key
 
 
 def check_fit(config: Config, edge_length: float) -> Iterator[InputError]:
-    """Yield an error for each part, open edge or net axis that the shape does not have."""
+    """Yield an error for each part, open edge, net axis or coordinate the shape does not have."""
     sheet = config.geometry.sheet(edge_length)
     kind = config.geometry.kind
     axes = sorted({axis for pair in sheet.axes for axis in pair})
@@ -31,20 +32,32 @@ def check_fit(config: Config, edge_length: float) -> Iterator[InputError]:
         if isinstance(stimulus, EdgeStimulus) and stimulus.edge not in sheet.edge_names:
             where = f"{stimulus_key(number)}.edge"
             yield _unknown(where, "open edge", stimulus.edge, sheet.edge_names, kind)
-    for where, axis in _named_axes(config):
-        if axis not in axes:
-            yield _unknown(where, "axis", axis, axes, kind)
-
-
-def _named_axes(config: Config) -> Iterator[tuple[str, str]]:
-    """Yield the key path and the name of each net axis that a patch names."""
     for patch in config.tissue.patches:
-        if isinstance(patch.anisotropy, dict):
-            for axis in patch.anisotropy:
-                yield f"{patch_key(patch.name)}.anisotropy.{axis}", axis
-        if isinstance(patch.frame_scaling, dict):
-            for axis in patch.frame_scaling:
-                yield f"{patch_key(patch.name)}.frame_scaling.{axis}", axis
+        yield from _directions(patch, tuple(axes), kind)
+
+
+def _directions(patch: Patch, axes: tuple[str, ...], kind: str) -> Iterator[InputError]:
+    """Yield an error for each net axis or coordinate of a patch that the shape does not have."""
+    key = patch_key(patch.name)
+    if isinstance(patch.fibres, AngleField):
+        try:
+            check_names(patch.fibres.angle, axes, f"{key}.fibres.angle", f"a {kind}")
+        except InputError as error:
+            yield error
+    if patch.fibres is not None:
+        return
+    for word in ("anisotropy", "frame_scaling"):
+        factors = getattr(patch, word)
+        for axis in factors if isinstance(factors, dict) else ():
+            if axis in {ALONG, ACROSS}:
+                yield InputError(
+                    f"{key}.{word}.{axis}",
+                    f"{axis!r} is an axis of fibres, and the patch has none",
+                    ", ".join(axes),
+                    "add fibres: {angle: 0} for fibres along the first of these axes",
+                )
+            elif axis not in axes:
+                yield _unknown(f"{key}.{word}.{axis}", "axis", axis, axes, kind)
 
 
 def _unknown(where: str, what: str, name: str, known: Iterable[str], kind: str) -> InputError:

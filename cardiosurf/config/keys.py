@@ -14,14 +14,16 @@ from cardiosurf.config.accuracy import Accuracy
 from cardiosurf.config.document import KeyPath
 from cardiosurf.config.unions import KeyedBy
 from cardiosurf.geometry.angles import Angle
+from cardiosurf.sections import Worded
 
 
 @dataclasses.dataclass(frozen=True)
 class Choice:
-    """A union whose member is chosen by a key (``key`` is its name) or by a region's word."""
+    """A union whose member is chosen by a key (``key`` is its name) or by its one word."""
 
     members: dict[str, Any]
     key: str | None
+    worded: Worded | None = None
 
 
 def yaml_name(field_name: str) -> str:
@@ -53,7 +55,8 @@ def choice_of(annotation: Any) -> Choice | None:
             for item in metadata:
                 if isinstance(item, KeyedBy):
                     return Choice(members, item.key)
-            return Choice(members, None)
+            worded = [item for item in metadata if isinstance(item, Worded)]
+            return Choice(members, None, *worded)
     return None
 
 
@@ -133,7 +136,9 @@ def _describe_choice(choice: Choice) -> str:
     if "(by axis)" in choice.members:
         return " or ".join(describe(member) for member in choice.members.values())
     words = ", ".join(tag.strip("()") for tag in choice.members)
-    return f"a mapping with {choice.key}: {words}" if choice.key else f"a region, one of {words}"
+    if choice.worded is None:
+        return f"a mapping with {choice.key}: {words}"
+    return f"{choice.worded.what}, one of {words}"
 
 
 def _describe_value(bare: Any, metadata: tuple[Any, ...]) -> str:

@@ -1,18 +1,11 @@
 """Angles as people write them: radians, multiples of pi, degrees."""
 
-import math
-import re
 from typing import Annotated, Any, TypeAlias
 
 from annotated_types import Interval
 from pydantic import BeforeValidator, WithJsonSchema
 
-_NUMBER = r"\d+(?:\.\d*)?|\.\d+"
-_MULTIPLE_OF_PI = re.compile(
-    rf"(?P<sign>[-+]?)\s*(?:(?P<factor>{_NUMBER})\s*\*\s*)?pi"
-    rf"(?:\s*\*\s*(?P<times>{_NUMBER}))?(?:\s*/\s*(?P<over>{_NUMBER}))?"
-)
-_DEGREES = re.compile(rf"(?P<value>[-+]?(?:{_NUMBER}))\s*(?:deg|degrees|°)")
+from cardiosurf.expressions import ExpressionError, constant
 
 
 def parse_angle(text: str) -> float:
@@ -21,7 +14,7 @@ def parse_angle(text: str) -> float:
     Parameters
     ----------
     text : str
-        ``pi/4``, ``-3*pi/4``, ``pi``, ``3*pi/4`` or ``45 deg``.
+        ``pi/4``, ``-3*pi/4``, ``45 deg``, or any other expression without names.
 
     Raises
     ------
@@ -33,17 +26,14 @@ def parse_angle(text: str) -> float:
     >>> round(parse_angle("-3*pi/4"), 6), round(parse_angle("45 deg"), 6)
     (-2.356194, 0.785398)
     """
-    stripped = text.strip()
-    degrees = _DEGREES.fullmatch(stripped)
-    if degrees:
-        return math.radians(float(degrees["value"]))
-    multiple = _MULTIPLE_OF_PI.fullmatch(stripped)
-    if multiple and float(multiple["over"] or 1) != 0:
-        size = float(multiple["factor"] or 1) * float(multiple["times"] or 1)
-        angle = size * math.pi / float(multiple["over"] or 1)
-        return -angle if multiple["sign"] == "-" else angle
-    msg = "is not an angle: write radians, a multiple of pi such as -3*pi/4, or degrees as 45 deg"
-    raise ValueError(msg)
+    try:
+        return constant(text)
+    except ExpressionError as error:
+        msg = (
+            f"is not an angle ({error.problem}): write radians, a multiple of pi such as -3*pi/4, "
+            "or degrees as 45 deg"
+        )
+        raise ValueError(msg) from None
 
 
 def _radians(value: Any) -> Any:
@@ -58,10 +48,7 @@ Angle: TypeAlias = Annotated[
         {
             "anyOf": [
                 {"type": "number"},
-                {
-                    "type": "string",
-                    "pattern": r"^\s*([-+0-9.* ]*pi[*/0-9. ]*|[-+0-9.]+ *(deg|degrees|°))\s*$",
-                },
+                {"type": "string", "pattern": r"^[-+*/(),.0-9A-Za-z° ]+$", "maxLength": 500},
             ],
             "description": "An angle: radians, a multiple of pi (-3*pi/4) or degrees (45 deg).",
         }

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, TypeAlias
 
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from cardiosurf.geometry.angles import Angle
-from cardiosurf.sections import SMALLEST, Coordinate, Positive, Section
+from cardiosurf.sections import SMALLEST, Coordinate, Positive, Section, Worded, word_of
 
 
 def _increasing(limits: tuple[float, float]) -> tuple[float, float]:
@@ -134,13 +134,6 @@ class Not(Section):
     not_: Annotated[Region, Field(alias="not")]
 
 
-def _word(value: Any) -> str | None:
-    """Return the tag of the one word a region is written with."""
-    if isinstance(value, dict) and len(value) == 1:
-        return f"({next(iter(value))})"
-    return None
-
-
 Region: TypeAlias = Annotated[
     Annotated[Box, Tag("(box)")]
     | Annotated[Ball, Tag("(ball)")]
@@ -151,7 +144,8 @@ Region: TypeAlias = Annotated[
     | Annotated[All, Tag("(all)")]
     | Annotated[AnyOf, Tag("(any)")]
     | Annotated[Not, Tag("(not)")],
-    Discriminator(_word),
+    Discriminator(word_of),
+    Worded("a region", "{box: {x: [0, 10]}}", joined=True),
 ]
 
 

@@ -24,7 +24,7 @@ from cardiosurf.recording.signals import HeldSignals, held_signals
 from cardiosurf.recording.steady_file import SteadyFile
 from cardiosurf.recording.whole_file import whole_file
 from cardiosurf.tissue.stimuli import Pulse
-from cardiosurf.tissue.tensor import Tissue
+from cardiosurf.tissue.tensor import Tissue, main_directions
 
 SMALL = 256
 """Arrays of fewer numbers are not worth compressing."""
@@ -143,6 +143,7 @@ def _values(recording: Recording) -> Mapping[str, ArrayLike]:
         "tissue/tensor": tissue.tensor,
         "tissue/d11": d11,
         "tissue/d22": d22,
+        "tissue/fibre": main_directions(surface, tissue.tensor),
         "tissue/excitable": tissue.excitable.astype(np.int64),
         "tissue/names": tissue.names,
         "tissue/patch_of": tissue.patch_of,

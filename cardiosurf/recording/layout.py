@@ -45,6 +45,9 @@ DATASETS = {
     "tissue/tensor": Entry("su^2/tu", "diffusivity tensor of each triangle (m, 3, 3)"),
     "tissue/d11": Entry("su^2/tu", "diffusivity along the first net axis (m,)"),
     "tissue/d22": Entry("su^2/tu", "diffusivity along the second net axis (m,)"),
+    "tissue/fibre": Entry(
+        "", "unit vector along the greatest diffusivity, 0 where there is none (m, 3)", packed=True
+    ),
     "tissue/excitable": Entry("", "1 where the tissue is excitable, 0 in scar (m,)", packed=True),
     "tissue/names": Entry("", "names of the patches, in the order of the config"),
     "tissue/patch_of": Entry(

@@ -24,6 +24,7 @@ MAPS = {
     "excitable": ("Cell", "tissue/excitable"),
     "d11 [su^2 per tu]": ("Cell", "tissue/d11"),
     "d22 [su^2 per tu]": ("Cell", "tissue/d22"),
+    "fibre": ("Cell", "tissue/fibre"),
 }
 """What both files show, and where it is."""
 FRAME, TIME, VIEW = "\ue000", "\ue001", "\ue002"
@@ -113,7 +114,9 @@ def _grid(file: h5py.File, source: str, name: str) -> ET.Element:
 
 
 def _attribute(grid: ET.Element, name: str, centre: str, item: ET.Element) -> None:
-    ET.SubElement(grid, "Attribute", Name=name, AttributeType="Scalar", Center=centre).append(item)
+    # one number a node or triangle, or three
+    kind = "Vector" if " " in item.attrib["Dimensions"] else "Scalar"
+    ET.SubElement(grid, "Attribute", Name=name, AttributeType=kind, Center=centre).append(item)
 
 
 def _item(stored: h5py.Dataset, source: str, name: str, shape: tuple[int, ...]) -> ET.Element:

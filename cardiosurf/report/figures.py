@@ -16,6 +16,7 @@ from cardiosurf.recording.recording import THRESHOLD, Recording
 from cardiosurf.report import layers
 from cardiosurf.report.canvas import FORMATS, INK, new_figure, save
 from cardiosurf.report.solid import draw_solid, triangle_colours, viewpoints
+from cardiosurf.report.strokes import draw_strokes
 from cardiosurf.report.views import View, flat_views, has_vein, unrolled_vein
 
 AGAIN = 0.01
@@ -200,9 +201,10 @@ def _draw_map(axes: Axes, view: View, recording: Recording, norm: Normalize) -> 
 
 
 def _furnish(axes: Axes, view: View, recording: Recording, spots: layers.Spots) -> list[Artist]:
-    """Draw border, patches, targets, stimuli and axes; return what belongs into the legend."""
+    """Draw border, fibres, patches, targets, stimuli, axes; return what belongs into the legend."""
     layers.draw_border(axes, view)
-    legend = layers.draw_patches(axes, view, recording, spots)
+    legend = draw_strokes(axes, view, recording)
+    legend += layers.draw_patches(axes, view, recording, spots)
     legend += layers.draw_targets(axes, view, recording, spots)
     legend += layers.draw_stimuli(axes, view, layers.stimulus_profiles(recording))
     axes.set(xlabel=view.labels[0], ylabel=view.labels[1])

@@ -19,6 +19,7 @@ from cardiosurf.arrays import Floats, Mask
 from cardiosurf.recording.recording import Recording
 from cardiosurf.report.canvas import INK, NEVER, STIMULUS
 from cardiosurf.report.views import View, outlines, seen
+from cardiosurf.tissue.tensor import main_directions
 
 COLOURS = "viridis"
 SPACINGS = (1.0, 2.5, 5.0, 10.0, 25.0, 50.0, 100.0, 250.0, 500.0, 1000.0, 2500.0)
@@ -132,16 +133,18 @@ def draw_border(axes: Axes, view: View) -> None:
 def draw_patches(axes: Axes, view: View, recording: Recording, spots: Spots) -> list[Artist]:
     """Hatch and name the patches; return what the legend says about them.
 
-    ``spots`` are the places of the names so far; the new ones are added.
+    Those with fibres have strokes (``report.strokes``) instead of a hatching. ``spots`` are the
+    places of the names so far; the new ones are added.
     """
     scar = ~recording.tissue.excitable
+    directed = np.any(main_directions(recording.surface, recording.tissue.tensor), axis=1)
     entries: list[Artist] = []
     for name, mask in recording.patches.items():
         outline = region_outline(view, mask)
         if outline is None:
             continue
         excitable = not bool(scar[mask].all())
-        hatch = "////" if excitable else "xxxx"
+        hatch = "xxxx" if not excitable else "" if directed[mask].mean() > 0.5 else "////"
         axes.add_patch(
             PathPatch(
                 outline, hatch=hatch, facecolor="none", edgecolor=INK, linewidth=1.0, alpha=0.55

@@ -8,6 +8,8 @@ from pydantic import Discriminator, Tag
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.regions import Region
 from cardiosurf.sections import LARGEST, SMALLEST, Positive, Section
+from cardiosurf.spelling import did_you_mean
+from cardiosurf.tissue.fibres import ACROSS, ALONG, Fibres
 
 
 def _form(value: Any) -> str:
@@ -31,11 +33,14 @@ class Patch(Section):
         What targets, ``--set`` and the recording call it.
     region : Region
         Where it is; the mesh resolves its edges.
+    fibres : fibre rule
+        Directions that take the place of the net axes, called ``along`` and ``across``.
     anisotropy : float or dict of str to float
-        Factor on the diffusivity along a net axis ({x: 4}, {theta: 8, phi: 8}); one number is
-        both axes, an axis that is not named keeps the factor 1.
+        Factor on the diffusivity along a net axis ({x: 4}, {theta: 8, phi: 8}) or, with fibres,
+        {along: 8, across: 1}; one number is both axes, an axis that is not named keeps the
+        factor 1.
     frame_scaling : float or dict of str to float
-        Factor on the net frame itself; its square is the factor on the diffusivity.
+        Factor on the frame itself; its square is the factor on the diffusivity.
     diffusivity : float
         Diffusivity of the patch in su^2/tu, before the factors; the ambient one if not given.
     excitable : bool
@@ -44,6 +49,7 @@ class Patch(Section):
 
     name: str
     region: Region
+    fibres: Fibres | None = None
     anisotropy: Factors | None = None
     frame_scaling: Factors | None = None
     diffusivity: Positive | None = None
@@ -72,7 +78,7 @@ def patch_key(name: str) -> str:
 
 
 def factors_of(patch: Patch) -> dict[str, float] | float:
-    """Return the factors on the diffusivity, by net axis or one for both axes.
+    """Return the factors on the diffusivity, by axis or one for both axes.
 
     Parameters
     ----------
@@ -82,8 +88,9 @@ def factors_of(patch: Patch) -> dict[str, float] | float:
     Raises
     ------
     InputError
-        If both are given, if no axis is named, or if a factor on the diffusivity is not within
-        1e-6 to 1e6.
+        If both are given, if no axis is named, if a patch with fibres names others than ``along``
+        and ``across`` or no factor at all, or if a factor on the diffusivity is not within 1e-6 to
+        1e6.
     """
     where = patch_key(patch.name)
     if patch.anisotropy is not None and patch.frame_scaling is not None:
@@ -96,7 +103,14 @@ def factors_of(patch: Patch) -> dict[str, float] | float:
     key = "anisotropy" if patch.frame_scaling is None else "frame_scaling"
     given = patch.anisotropy if patch.frame_scaling is None else patch.frame_scaling
     if given is None:
-        return 1.0
+        if patch.fibres is None:
+            return 1.0
+        raise InputError(
+            f"{where}.fibres",
+            "fibres are given, but no factor along or across them",
+            "fibres together with anisotropy or frame_scaling",
+            "add anisotropy: {along: 8}",
+        )
     named = given if isinstance(given, dict) else {"": given}
     if not named:
         raise InputError(
@@ -105,20 +119,11 @@ def factors_of(patch: Patch) -> dict[str, float] | float:
             "a number, or a mapping from an axis to a number",
             f"{key}: {{theta: 8}} on a vein or a sphere, {key}: {{x: 8}} on a plane",
         )
+    if patch.fibres is not None and isinstance(given, dict):
+        _check_axes_of_fibres(given, f"{where}.{key}")
     for axis, factor in named.items():
-        at = f"{where}.{key}.{axis}".rstrip(".")
-        # written so that NaN is caught too
-        if not 0.0 < factor < float("inf"):
-            raise InputError(
-                at, f"{factor} makes a tensor that is not positive", "a finite number above 0"
-            )
         scaled = factor if patch.frame_scaling is None else factor * factor
-        if not SMALLEST <= scaled <= LARGEST:
-            raise InputError(
-                at,
-                f"{factor:g} is a factor of {scaled:g} on the diffusivity",
-                f"a factor from {SMALLEST:g} to {LARGEST:g} on the diffusivity",
-            )
+        _check_factor(factor, scaled, f"{where}.{key}.{axis}".rstrip("."))
     return given if patch.frame_scaling is None else _squared(patch)
 
 
@@ -147,6 +152,33 @@ def check_diffusivity(section: TissueSection) -> None:
                     f"a product from {SMALLEST:g} to {LARGEST:g}",
                     "a smaller factor, or another diffusivity",
                 )
+
+
+def _check_factor(factor: float, scaled: float, where: str) -> None:
+    """Refuse a number that makes no tensor; ``scaled`` is the factor on the diffusivity."""
+    # written so that NaN is caught too
+    if not 0.0 < factor < float("inf"):
+        raise InputError(
+            where, f"{factor} makes a tensor that is not positive", "a finite number above 0"
+        )
+    if not SMALLEST <= scaled <= LARGEST:
+        raise InputError(
+            where,
+            f"{factor:g} is a factor of {scaled:g} on the diffusivity",
+            f"a factor from {SMALLEST:g} to {LARGEST:g} on the diffusivity",
+        )
+
+
+def _check_axes_of_fibres(given: dict[str, float], where: str) -> None:
+    for axis in given:
+        if axis not in {ALONG, ACROSS}:
+            guess = did_you_mean(axis, (ALONG, ACROSS))
+            raise InputError(
+                f"{where}.{axis}",
+                f"a patch with fibres has no axis {axis!r}" + (f", {guess}" if guess else ""),
+                f"{ALONG}, {ACROSS}",
+                "" if guess else "leave fibres out to name axes of the net",
+            )
 
 
 def _squared(patch: Patch) -> dict[str, float] | float:

@@ -8,7 +8,11 @@ from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.surface import Surface
 from cardiosurf.spelling import nearest
+from cardiosurf.tissue.fibres import ACROSS, ALONG, AnyFibres
 from cardiosurf.tissue.patches import Patch, TissueSection, factors_of, patch_key
+
+ISOTROPIC = 1e-9
+"""Relative difference of the two diffusivities below which a tensor has no main direction."""
 
 
 @dataclass(frozen=True)
@@ -18,7 +22,8 @@ class Tissue:
     Attributes
     ----------
     tensor : (m, 3, 3) float
-        Diffusivity d = s1 e1 e1 + s2 e2 e2 in su^2/tu, tangential to the triangle.
+        Diffusivity d = s1 e1 e1 + s2 e2 e2 in su^2/tu, tangential to the triangle; where a patch
+        has fibres, along and across them instead.
     excitable : (m,) bool
         False where the tissue diffuses but does not react.
     names : tuple of str
@@ -36,6 +41,8 @@ class Tissue:
 def build_tissue(surface: Surface, section: TissueSection) -> Tissue:
     """Lay the patches over the surface: d = s1 e1 e1 + s2 e2 e2 on each triangle.
 
+    The directions are those of the net, or f and g along and across the fibres of a patch.
+
     Parameters
     ----------
     surface : Surface
@@ -47,11 +54,12 @@ def build_tissue(surface: Surface, section: TissueSection) -> Tissue:
     ------
     InputError
         If a patch covers no triangle, names an axis that its part of the surface does not have,
-        or makes a tensor that is not positive.
+        has fibres without a direction, or makes a tensor that is not positive.
     """
     count = len(surface.triangles)
     _require_positive(section.diffusivity, "tissue.diffusivity")
     along_axes = np.full((count, 2), float(section.diffusivity))
+    frame = surface.frame.copy()
     excitable = np.ones(count, dtype=np.bool_)
     patch_of = np.full(count, -1, dtype=np.int64)
     for number, patch in enumerate(section.patches):
@@ -65,13 +73,40 @@ def build_tissue(surface: Surface, section: TissueSection) -> Tissue:
             )
         base = section.diffusivity if patch.diffusivity is None else patch.diffusivity
         _require_positive(base, f"{patch_key(patch.name)}.diffusivity")
-        along_axes[mask] = base * _along_axes(surface, patch, mask)[mask]
+        if patch.fibres is None:
+            frame[mask] = surface.frame[mask]
+            along_axes[mask] = base * _along_axes(surface, patch, mask)[mask]
+        else:
+            frame[mask], factors = _along_fibres(surface, patch, patch.fibres, np.flatnonzero(mask))
+            along_axes[mask] = base * factors
         excitable[mask] = patch.excitable
         patch_of[mask] = number
-    scaled = along_axes[:, :, None] * surface.frame
-    tensor = scaled[:, 0, :, None] * surface.frame[:, 0, None, :]
-    tensor += scaled[:, 1, :, None] * surface.frame[:, 1, None, :]
+    scaled = along_axes[:, :, None] * frame
+    tensor = scaled[:, 0, :, None] * frame[:, 0, None, :]
+    tensor += scaled[:, 1, :, None] * frame[:, 1, None, :]
     return Tissue(tensor, excitable, tuple(patch.name for patch in section.patches), patch_of)
+
+
+def main_directions(surface: Surface, tensor: Floats) -> Floats:
+    """Return the direction of the greatest diffusivity of each triangle, (m, 3) unit vectors.
+
+    Zero where the diffusivity is the same in all directions of the surface. Its sign means nothing.
+
+    Parameters
+    ----------
+    surface : Surface
+        The mesh.
+    tensor : (m, 3, 3) float
+        Diffusivity of its triangles, in su^2/tu.
+    """
+    within = np.einsum("mai,mij,mbj->mab", surface.frame, tensor, surface.frame)
+    difference, twice = within[:, 0, 0] - within[:, 1, 1], within[:, 0, 1] + within[:, 1, 0]
+    angle = 0.5 * np.arctan2(twice, difference)
+    turned = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    # diffusivities that are equal differ by rounding
+    same = np.hypot(difference, twice) < ISOTROPIC * np.trace(within, axis1=1, axis2=2)
+    turned[same] = 0.0
+    return np.asarray(np.einsum("ma,mad->md", turned, surface.frame))
 
 
 def _along_axes(surface: Surface, patch: Patch, mask: Mask) -> Floats:
@@ -89,6 +124,25 @@ def _along_axes(surface: Surface, patch: Patch, mask: Mask) -> Floats:
                 raise _wrong_axis(surface, f"{patch_key(patch.name)}.{key}.{axis}", axis, int(part))
             along[surface.part_of == part, axes.index(axis)] = factor
     return along
+
+
+def _along_fibres(
+    surface: Surface, patch: Patch, fibres: AnyFibres, chosen: Ints
+) -> tuple[Floats, Floats]:
+    """Return the unit vectors f, g (k, 2, 3) along and across the fibres, and their factors (k, 2).
+
+    Where fibres have no direction these are the net's, both with the mean of the factors.
+    """
+    factors = factors_of(patch)
+    named = factors if isinstance(factors, dict) else dict.fromkeys((ALONG, ACROSS), factors)
+    pair = np.array([named.get(axis, 1.0) for axis in (ALONG, ACROSS)])
+    angles = fibres.angles(surface, chosen, f"{patch_key(patch.name)}.fibres")
+    known = np.isfinite(angles)
+    turn = np.where(known, angles, 0.0)
+    cosine, sine = np.cos(turn)[:, None], np.sin(turn)[:, None]
+    first, second = surface.frame[chosen, 0], surface.frame[chosen, 1]
+    frame = np.stack([cosine * first + sine * second, cosine * second - sine * first], axis=1)
+    return frame, np.where(known[:, None], pair, pair.mean())
 
 
 def _wrong_axis(surface: Surface, where: str, axis: str, part: int) -> InputError:

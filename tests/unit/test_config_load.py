@@ -78,6 +78,7 @@ def test_frames_can_be_switched_off():
         ("45 deg", math.pi / 4),
         ("-22.5deg", -math.pi / 8),
         ("90°", math.pi / 2),
+        ("(1 + 2)*pi/4", 0.75 * math.pi),
         ("1.25", 1.25),
     ],
 )

@@ -24,6 +24,7 @@ from cardiosurf.kinetics.fitzhugh_nagumo import FitzHughNagumo
 from cardiosurf.kinetics.rogers_mcculloch import RogersMcCulloch
 from cardiosurf.recording.sections import ProbeSection, RecordSection
 from cardiosurf.stepping.controls import TimeSection
+from cardiosurf.tissue.fibres import AngleField, Circles, Winding
 from cardiosurf.tissue.patches import Patch, TissueSection
 from cardiosurf.tissue.stimuli import S1S2, EdgeStimulus, PointStimulus, RegionStimulus, Train
 
@@ -61,6 +62,12 @@ def regions(part: str, *, angles: bool) -> st.SearchStrategy:
     )
 
 
+rules = st.builds(Winding, vector, st.floats(-100.0, 100.0)).map(Circles) | st.sampled_from(
+    ["0", "1e-3", "45 deg", "x", "-y", "- y", "sin(x/10)\n + pi", "atan2(y, x)"]
+).map(AngleField)
+along = factor | st.dictionaries(st.sampled_from(["along", "across"]), factor, min_size=1)
+
+
 @st.composite
 def configs(draw: st.DrawFn) -> Config:
     plane = draw(st.booleans())
@@ -68,15 +75,21 @@ def configs(draw: st.DrawFn) -> Config:
     region = regions("plane" if plane else "sphere", angles=not plane)
     factors = st.none() | factor | st.dictionaries(st.sampled_from(axes), factor, min_size=1)
     patch_names = draw(st.lists(names, unique=True, max_size=2))
+    fibres = [draw(st.none() | rules) for _ in patch_names]
     patches = [
         Patch(
             name,
             draw(region),
-            **{draw(st.sampled_from(["anisotropy", "frame_scaling"])): draw(factors)},
+            rule,
+            **{
+                draw(st.sampled_from(["anisotropy", "frame_scaling"])): draw(
+                    factors if rule is None else along
+                )
+            },
             diffusivity=draw(st.none() | factor),
             excitable=draw(st.booleans()),
         )
-        for name in patch_names
+        for name, rule in zip(patch_names, fibres, strict=True)
     ]
     beats = [
         {},

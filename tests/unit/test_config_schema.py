@@ -61,6 +61,26 @@ def test_it_refuses_what_the_loader_refuses(old, new):
     assert not VALIDATOR.is_valid(parse_document(TEXT.replace(old, new), "a").data)
 
 
+@pytest.mark.parametrize(
+    ("fibres", "right"),
+    [
+        ({"circles": {"centre": [0, 0, 0]}}, True),
+        ({"circles": {"centre": [0, 0, 0], "pitch": "45 deg"}}, True),
+        ({"angle": "sin(x)"}, True),
+        ({"angle": 0.5}, True),
+        ({"angle": ""}, False),
+        ({"angle": None}, False),
+        ({"circles": {"pitch": 1}}, False),
+        ({"circle": {"centre": [0, 0, 0]}}, False),
+        ({"angle": 0, "circles": {"centre": [0, 0, 0]}}, False),
+    ],
+)
+def test_it_knows_fibres(fibres, right):
+    data = parse_document(TEXT, "a").data
+    data["tissue"]["patches"][0] |= {"fibres": fibres, "anisotropy": {"along": 8}}
+    assert VALIDATOR.is_valid(data) == right
+
+
 @pytest.mark.parametrize("angle", ["pi/4", "-3*pi/4", "45 deg", "-22.5deg", "0.5 * pi", 0.3])
 def test_it_knows_angles(angle):
     region = {"polar": {"phi": [angle, 9]}}

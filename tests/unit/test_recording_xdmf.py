@@ -50,6 +50,9 @@ def test_maps_read_back_as_a_mesh(moved):
     assert np.array_equal(cellwise["part"][0], recording.surface.part_of)
     assert np.array_equal(cellwise["d11 [su^2 per tu]"][0], recording.tissue.tensor[:, 0, 0])
     assert np.array_equal(cellwise["d22 [su^2 per tu]"][0], recording.tissue.tensor[:, 1, 1])
+    # the strip's diffusivity is four times as large along x
+    along_x = np.outer(recording.patches["strip"], [1.0, 0.0, 0.0])
+    assert np.array_equal(np.abs(cellwise["fibre"][0]), along_x)
 
 
 def test_the_files_are_small_and_name_the_recording_relatively(moved):
