@@ -94,9 +94,13 @@ def mesh(config: str, overrides: tuple[str, ...], output: Path | None, *, overwr
 
 
 @click.command()
-@click.argument("what", type=click.Choice(["config", "scenario", "verdict"]), default="config")
+@click.argument(
+    "what",
+    type=click.Choice(["config", "scenario", "verdict", "threshold"]),
+    default="config",
+)
 def schema(what: str) -> None:
-    r"""Print the JSON Schema of a config, a scenario or a verdict.
+    r"""Print the JSON Schema of a config or of a result.
 
     An editor with a YAML language server then completes and checks keys while you type:
 
@@ -113,6 +117,10 @@ def schema(what: str) -> None:
         from cardiosurf.config.scenario import scenario_schema
 
         published = scenario_schema()
+    elif what == "threshold":
+        from cardiosurf.study.threshold_result import threshold_schema
+
+        published = threshold_schema()
     else:
         from cardiosurf.analysis.verdict import verdict_schema
 

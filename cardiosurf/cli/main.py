@@ -25,6 +25,7 @@ _COMMANDS = {
     "plot": "cardiosurf.cli.view:plot",
     "check": "cardiosurf.cli.study:check",
     "sweep": "cardiosurf.cli.study:sweep",
+    "threshold": "cardiosurf.cli.threshold:threshold",
 }
 
 _EPILOG = """

@@ -76,6 +76,20 @@ def load(path: str | Path, overrides: Sequence[str] = ()) -> Loaded:
     return load_document(document)
 
 
+def overlay(loaded: Loaded, overrides: Sequence[str]) -> Loaded:
+    """Return a loaded config with ``--set`` options laid over it, in their order.
+
+    Raises
+    ------
+    InputError
+        As ``load`` does.
+    """
+    document = loaded.document
+    for option in overrides:
+        document = override(document, option)
+    return load_document(document)
+
+
 def load_text(text: str, name: str = "config") -> Loaded:
     """Load a config from its text; messages call it ``name``."""
     return load_document(parse_document(text, name))

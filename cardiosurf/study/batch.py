@@ -7,7 +7,7 @@ from pathlib import Path
 from cardiosurf.stepping.controls import Execution
 from cardiosurf.study.job import Done, Job, reused_job, run_job
 from cardiosurf.study.store import run_key
-from cardiosurf.study.workers import run_in_processes
+from cardiosurf.study.workers import Staff, run_in_processes
 
 __all__ = ["Done", "Job", "OnDone", "run_batch"]
 
@@ -20,6 +20,7 @@ def run_batch(
     workers: int = 1,
     execution: Execution | None = None,
     on_done: OnDone | None = None,
+    staff: Staff | None = None,
 ) -> list[Done]:
     """Run all jobs that are not finished already and return what came of each, in their order.
 
@@ -36,6 +37,8 @@ def run_batch(
         How each run uses the machine; with several workers each has one thread unless it says so.
     on_done : callable, optional
         Called in this process with the Done of every job, as they end.
+    staff : Staff, optional
+        Processes that were started for an earlier batch, used again instead of new ones.
 
     Raises
     ------
@@ -68,7 +71,10 @@ def run_batch(
 
     if min(workers, len(firsts)) > 1:
         wanted = {number: jobs[number] for number in firsts}
-        run_in_processes(wanted, min(workers, len(firsts)), execution, settle_all)
+        if staff is not None:
+            staff.run(wanted, settle_all)
+        else:
+            run_in_processes(wanted, min(workers, len(firsts)), execution, settle_all)
     else:
         for number in firsts:
             settle_all(number, run_job(jobs[number], execution))

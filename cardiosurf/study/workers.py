@@ -9,7 +9,8 @@ from dataclasses import replace
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
-from typing import Any
+from types import TracebackType
+from typing import Any, Self
 
 from cardiosurf.errors import NumericalError
 from cardiosurf.stepping.controls import Execution
@@ -66,6 +67,63 @@ class _Worker:
         return failed(job.name, error, 0.0)
 
 
+class Staff:
+    """Worker processes that wait for more after a batch: starting one takes a second or two.
+
+    Use it as a context manager: at its end no process is left behind.
+
+    Parameters
+    ----------
+    workers : int
+        How many processes there are at most; each is started when there is work for it.
+    execution : Execution, optional
+        How each run uses the machine; one thread unless it says so.
+    """
+
+    def __init__(self, workers: int, execution: Execution | None = None) -> None:
+        execution = execution or Execution()
+        if execution.threads is None:
+            execution = replace(execution, threads=1)
+        self.workers = workers
+        self._execution = execution
+        self._members: list[_Worker] = []
+
+    def __enter__(self) -> Self:
+        """Nothing is started yet."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """End all processes, those that run after a checkpoint; a second signal kills them."""
+        _dismiss(self._members)
+
+    def run(self, jobs: Mapping[int, Job], settle: Callable[[int, Done], None]) -> None:
+        """Run jobs and settle each as it ends.
+
+        Parameters
+        ----------
+        jobs : mapping of int to Job
+            The runs, in the order in which they are begun.
+        settle : callable
+            Called in this process with a job's number and what came of it.
+        """
+        left = list(jobs.items())
+        while left or any(one.busy_with for one in self._members):
+            while len(self._members) < min(self.workers, self._busy() + len(left)):
+                self._members.append(_Worker(self._execution))
+            for worker in self._members:
+                if left and worker.busy_with is None:
+                    worker.give(*left.pop(0))
+            _listen(self._members, settle)
+
+    def _busy(self) -> int:
+        return sum(one.busy_with is not None for one in self._members)
+
+
 def run_in_processes(
     jobs: Mapping[int, Job],
     workers: int,
@@ -91,21 +149,8 @@ def run_in_processes(
         The batch was stopped. Runs that were on have written their checkpoints, and no process is
         left behind; a second signal kills what is still writing.
     """
-    execution = execution or Execution()
-    if execution.threads is None:
-        execution = replace(execution, threads=1)
-    left = list(jobs.items())
-    staff: list[_Worker] = []
-    try:
-        while left or any(one.busy_with for one in staff):
-            while left and len(staff) < workers:
-                staff.append(_Worker(execution))
-            for worker in staff:
-                if left and worker.busy_with is None:
-                    worker.give(*left.pop(0))
-            _listen(staff, settle)
-    finally:
-        _dismiss(staff)
+    with Staff(workers, execution) as staff:
+        staff.run(jobs, settle)
 
 
 def _listen(staff: list[_Worker], settle: Callable[[int, Done], None]) -> None:

@@ -59,6 +59,11 @@ def test_a_wrong_config_is_found_before_anything_is_built(tmp_path, command):
     assert heavy(command, tmp_path / "none.yaml") <= CONFIG
 
 
+def test_a_wrong_config_is_found_before_a_search_begins(tmp_path):
+    words = ("--vary", "tissue.diffusivity", "--between", 1, 2)
+    assert heavy("threshold", tmp_path / "none.yaml", *words) <= CONFIG
+
+
 def test_a_config_is_checked_without_what_builds_and_marches(strip):
     assert heavy("validate", strip) <= CONFIG
     assert heavy("schema") <= CONFIG
