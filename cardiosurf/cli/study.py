@@ -22,6 +22,11 @@ WORKERS_HELP = "Runs at a time.  [default: as many as there are cores]"
 @click.command()
 @click.argument("scenarios", metavar="SCENARIO...", nargs=-1, required=True)
 @click.option("--fast", is_flag=True, help="Coarser, as far as the scenarios say that it will do.")
+@click.option(
+    "--guard",
+    is_flag=True,
+    help="Run each case on a finer mesh and with smaller steps too: is it converged?",
+)
 @click.option("--workers", type=click.IntRange(1, 256), help=WORKERS_HELP)
 @click.option(
     "-o",
@@ -33,14 +38,21 @@ WORKERS_HELP = "Runs at a time.  [default: as many as there are cores]"
 )
 @click.option("--json", "as_json", is_flag=True, help="Print check.json, not the table.")
 def check(
-    scenarios: tuple[str, ...], output: Path, *, fast: bool, workers: int | None, as_json: bool
+    scenarios: tuple[str, ...],
+    output: Path,
+    *,
+    fast: bool,
+    guard: bool,
+    workers: int | None,
+    as_json: bool,
 ) -> None:
     r"""Run scenarios and compare with what is expected.
 
     SCENARIO is a file or a folder of files. Runs that are there already are used again, as long
     as neither their config nor the program has changed; what was stopped goes on.
 
-    Ends with 0 if all is as expected, with 1 if something differs, with 3 if a run broke down.
+    Ends with 0 if all is as expected, with 1 if something differs, with 3 if a run broke down;
+    a case that is not converged is told, and no failure.
 
     \b
     Examples:
@@ -55,13 +67,15 @@ def check(
         file.cases(fast=fast)
     from cardiosurf.report.check_report import check_json, check_lines
     from cardiosurf.report.junit import junit_xml
+    from cardiosurf.study.check import How
     from cardiosurf.study.check import check as run_check
     from cardiosurf.study.lock import alone_in
 
-    count = sum(len(file.scenario.cases) for file in files)
+    count = sum(len(file.scenario.cases) for file in files) * (3 if guard else 1)
+    how = How(fast=fast, guard=guard)
     with alone_in(output):
         result = run_check(
-            files, output, fast=fast, workers=workers or _cores(), on_done=_counter(count)
+            files, output, how=how, workers=workers or _cores(), on_done=_counter(count)
         )
         data = json.dumps(check_json(result), indent=2)
         _write(output / "check.json", data + "\n")

@@ -43,6 +43,8 @@ def check_lines(result: CheckResult) -> list[str]:
     for case in result.cases:
         if case.status != "agrees":
             lines += ["", *difference_lines(case)]
+        if case.converged not in {None, "yes"}:
+            lines += ["", *_guard_lines(case)]
     return [*lines, "", _ending(result)]
 
 
@@ -131,6 +133,22 @@ def _pair_lines(pairs: tuple[PairResult, ...]) -> list[str]:
     return lines
 
 
+def _guard_lines(case: CaseResult) -> Iterator[str]:
+    """Yield why a case is not converged."""
+    if case.guarded is None:
+        return
+    yield f"{case.scenario} / {case.case}: not converged"
+    finding, failure = case.guarded.finding, case.guarded.failure
+    if failure is not None:
+        yield from (f"  {line}" for line in [failure.name, *failure.error.splitlines()])
+    if finding is None:
+        return
+    for one in finding.tried:
+        yield f"  edge {one.edge_length:g} su, step {one.step:g} tu: {one.verdict}"
+    if finding.lat_shift is not None:
+        yield f"  first activations shift by {finding.lat_shift:.2%} ({finding.lat_tolerance:.2%})"
+
+
 def _change_lines(case: CaseResult) -> Iterator[str]:
     if case.change is None:
         return
@@ -165,6 +183,7 @@ def _case_json(case: CaseResult) -> dict[str, Any]:
         "fast": case.coarsened,
         "compared": [asdict(one) for one in case.compared],
         "converged": case.converged,
+        "guard": asdict(case.guarded.finding) if case.guarded and case.guarded.finding else None,
         "edge_length": meta.get("edge_length"),
         "step": meta.get("step"),
         "vertices": meta.get("vertices"),

@@ -1,7 +1,7 @@
 """Scenarios run and compared with what is expected of them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal
@@ -11,6 +11,7 @@ from cardiosurf.config.scenario_file import ReadyCase, ScenarioFile
 from cardiosurf.errors import InputError
 from cardiosurf.stepping.controls import Execution
 from cardiosurf.study.batch import Done, Job, OnDone, run_batch
+from cardiosurf.study.guard_cases import Guarded, guard_cases
 from cardiosurf.study.history import Change, Past, change_since, read_history, write_history
 from cardiosurf.study.job import worst_exit_code
 from cardiosurf.study.outcome import Compared, compare, findings_of, probe_lats
@@ -41,6 +42,8 @@ class CaseResult:
         Where its files are.
     change : Change or None
         What is different from when it last agreed; None: it agrees, or never did here.
+    guarded : Guarded or None
+        What repetitions on a finer mesh and with smaller steps say; None: not asked for.
     """
 
     scenario: str
@@ -52,6 +55,7 @@ class CaseResult:
     done: Done
     folder: Path
     change: Change | None
+    guarded: Guarded | None = None
 
     @property
     def status(self) -> Status:
@@ -62,9 +66,10 @@ class CaseResult:
 
     @property
     def converged(self) -> str | None:
-        """What the verdict's convergence guard says, None if there was none."""
-        guard = (self.done.verdict or {}).get("guard")
-        return str(guard["converged"]) if guard else None
+        """What the convergence guard says, ``failed`` if a repetition broke down, None without."""
+        if self.guarded is None:
+            return None
+        return "failed" if self.guarded.finding is None else self.guarded.finding.converged
 
 
 @dataclass(frozen=True)
@@ -96,6 +101,22 @@ class CheckResult:
 
 
 @dataclass(frozen=True)
+class How:
+    """How a check runs its cases.
+
+    Attributes
+    ----------
+    fast : bool
+        At the coarser settings that their scenario states.
+    guard : bool
+        Again on a finer mesh and with smaller steps, to tell whether their verdicts stay.
+    """
+
+    fast: bool = False
+    guard: bool = False
+
+
+@dataclass(frozen=True)
 class _Planned:
     """A case and the job that answers it."""
 
@@ -113,7 +134,7 @@ def check(
     files: Sequence[ScenarioFile],
     folder: Path,
     *,
-    fast: bool = False,
+    how: How = How(),
     workers: int = 1,
     execution: Execution | None = None,
     on_done: OnDone | None = None,
@@ -126,8 +147,8 @@ def check(
         The scenarios.
     folder : Path
         Where runs are kept, to be used again, and what the cases were when they last agreed.
-    fast : bool
-        Whether to run cases at the coarser settings that their scenario states.
+    how : How
+        At the coarser settings that scenarios state, with a convergence guard, or neither.
     workers : int
         How many runs go on at a time.
     execution : Execution, optional
@@ -148,7 +169,7 @@ def check(
     planned = [
         _Planned(file, ready, Job(_name(file, ready), ready.loaded, store.folder_of(ready.loaded)))
         for file in files
-        for ready in file.cases(fast=fast)
+        for ready in file.cases(fast=how.fast)
     ]
     history = read_history(folder)
     # the longest first, so that no worker is left with one at the end
@@ -157,9 +178,18 @@ def check(
         [one.job for one in by_cost], workers=workers, execution=execution, on_done=on_done
     )
     by_name = {done.name: done for done in ended}
+    guarded: dict[str, Guarded] = {}
+    if how.guard:
+        finished = {one.job.name: (one.job.loaded, by_name[one.job.name]) for one in planned}
+        guarded = guard_cases(
+            finished, store, workers=workers, execution=execution, on_done=on_done
+        )
     findings = {one.job.name: _findings(one, by_name[one.job.name]) for one in planned}
     cases = tuple(
-        _result(one, by_name[one.job.name], findings[one.job.name], history.get(one.key))
+        replace(
+            _result(one, by_name[one.job.name], findings[one.job.name], history.get(one.key)),
+            guarded=guarded.get(one.job.name),
+        )
         for one in planned
     )
     if planned:

@@ -1,7 +1,8 @@
 """The convergence guard: a run repeated on a finer mesh and with smaller steps."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -24,6 +25,15 @@ FINER = 1.5
 SMALLER = 2.0
 """How much smaller the steps of the second are."""
 FOLDER = "guard"
+
+
+@dataclass(frozen=True)
+class Repetition:
+    """A run that another is compared with, its mesh edges in su and its step in tu."""
+
+    job: Job
+    edge_length: float
+    step: float
 
 
 def guard(
@@ -65,19 +75,60 @@ def guard(
     KeyboardInterrupt
         If it was stopped; the same call goes on.
     """
+    wanted = repetitions(loaded, edge_length, lambda name, _: folder / name)
+    done = run_batch([one.job for one in wanted], workers=workers, execution=execution)
+    verdicts = [_verdict_of(one) for one in done]
+    return guard_of(loaded, verdict, edge_length, list(zip(wanted, verdicts, strict=True)))
+
+
+def repetitions(
+    loaded: Loaded, edge_length: float, folder_of: Callable[[str, Loaded], Path]
+) -> tuple[Repetition, ...]:
+    """Return the runs that a run is compared with.
+
+    Parameters
+    ----------
+    loaded : Loaded
+        The run's config.
+    edge_length : float
+        Its mesh edges, in su (``auto`` resolved).
+    folder_of : callable
+        Gives a repetition its folder, by its name and config.
+    """
     step = step_of(loaded.config)
     meshes = {
         "finer-mesh": (float(f"{edge_length / FINER:.6g}"), step),
         "smaller-step": (edge_length, float(f"{step / SMALLER:.6g}")),
     }
-    jobs = [
-        Job(name, _refined(loaded, edge, shorter), folder / name)
-        for name, (edge, shorter) in meshes.items()
-    ]
-    done = run_batch(jobs, workers=workers, execution=execution)
-    tried = [guard_run(verdict, edge_length, step)]
-    for one, (edge, shorter) in zip(done, meshes.values(), strict=True):
-        tried.append(guard_run(_verdict_of(one), edge, shorter))
+    wanted = []
+    for name, (edge, shorter) in meshes.items():
+        refined = _refined(loaded, edge, shorter)
+        job = Job(name, refined, folder_of(name, refined))
+        wanted.append(Repetition(job, edge, shorter))
+    return tuple(wanted)
+
+
+def guard_of(
+    loaded: Loaded,
+    verdict: Mapping[str, Any],
+    edge_length: float,
+    repeated: Sequence[tuple[Repetition, Mapping[str, Any]]],
+) -> GuardFinding:
+    """Tell whether a verdict stays in the repetitions of its run.
+
+    Parameters
+    ----------
+    loaded : Loaded
+        The run's config.
+    verdict : mapping
+        Its verdict, as it stands in verdict.json.
+    edge_length : float
+        Its mesh edges, in su.
+    repeated : sequence of (Repetition, mapping)
+        The repetitions and their verdicts.
+    """
+    tried = [guard_run(verdict, edge_length, step_of(loaded.config))]
+    tried += [guard_run(found, one.edge_length, one.step) for one, found in repeated]
     start = min(stimulus.at for stimulus in loaded.config.stimulus)
     return guard_finding(tried, accuracy=loaded.config.accuracy, start=start)
 

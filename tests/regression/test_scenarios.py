@@ -6,7 +6,7 @@ import pytest
 
 from cardiosurf.config.scenario_file import read_scenario, scenario_paths
 from cardiosurf.report.check_report import check_lines
-from cardiosurf.study.check import check
+from cardiosurf.study.check import How, check
 
 FILES = scenario_paths([Path(__file__).parents[2] / "scenarios"])
 WITH_CASES = [path for path in FILES if read_scenario(path).scenario.cases]
@@ -16,7 +16,7 @@ WITH_CASES = [path for path in FILES if read_scenario(path).scenario.cases]
 @pytest.mark.parametrize("fast", [False, True], ids=["full", "fast"])
 @pytest.mark.parametrize("path", WITH_CASES, ids=[path.stem for path in WITH_CASES])
 def test_everything_is_as_expected(path, fast, tmp_path):
-    result = check([read_scenario(path)], tmp_path, fast=fast)
+    result = check([read_scenario(path)], tmp_path, how=How(fast=fast))
     assert result.exit_code == 0, "\n".join(check_lines(result))
 
 

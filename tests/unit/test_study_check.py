@@ -11,12 +11,14 @@ from cardiosurf.config import load_text
 from cardiosurf.config.expectation import Expectation
 from cardiosurf.config.scenario import Pair, Thresholds
 from cardiosurf.config.scenario_file import read_scenario
-from cardiosurf.errors import InputError
+from cardiosurf.errors import InputError, NumericalError
 from cardiosurf.report.check_report import check_json, check_lines
 from cardiosurf.report.junit import junit_xml
+from cardiosurf.study import batch
 from cardiosurf.study.batch import Job, run_batch
-from cardiosurf.study.check import check
+from cardiosurf.study.check import How, check
 from cardiosurf.study.history import NAME, Past, change_since, read_history, write_history
+from cardiosurf.study.job import failed, run_job
 from cardiosurf.study.outcome import compare, findings_of, probe_lats
 from cardiosurf.study.pairs import judge_pair
 
@@ -188,6 +190,44 @@ def test_junit_holds_any_text():
     from cardiosurf.report.junit import _clean  # noqa: PLC0415
 
     assert _clean("a\x00b\x1b<&>\ud800 ä") == "a?b?<&>? ä"
+
+
+def test_a_guarded_check_says_which_cases_are_converged(tmp_path):
+    file = read_scenario(write_scenario(tmp_path / "in"))
+    result = check([file], tmp_path / "out", how=How(guard=True))
+    free, walled = result.cases
+    assert (free.converged, walled.converged) == ("no", "yes")
+    tried = free.guarded.finding.tried
+    assert [(run.edge_length, run.step) for run in tried] == [
+        (5.0, 3.0),
+        (pytest.approx(5 / 1.5, rel=1e-5), 3.0),
+        (5.0, 1.5),
+    ]
+    # steps of 3 tu are known to put LAT off by more than a per cent
+    assert free.guarded.finding.lat_shift > 0.005
+    lines = check_lines(result)
+    assert "strips / free: not converged" in lines
+    assert any("edge 3.33333 su" in line for line in lines)
+    # not converged is no failure
+    assert result.exit_code == 0
+    data = check_json(result)["cases"]
+    assert [case["converged"] for case in data] == ["no", "yes"]
+    assert data[1]["guard"]["agree"] is True
+
+
+def test_a_repetition_that_fails_is_told(tmp_path, monkeypatch):
+    def failing(job, execution):
+        if job.name.endswith("smaller-step"):
+            return failed(job.name, NumericalError("u is not finite"), 0.1)
+        return run_job(job, execution)
+
+    monkeypatch.setattr(batch, "run_job", failing)
+    file = read_scenario(write_scenario(tmp_path / "in"))
+    result = check([file], tmp_path / "out", how=How(guard=True))
+    assert [case.converged for case in result.cases] == ["failed", "failed"]
+    assert "  strips/free smaller-step" in check_lines(result)
+    # its own verdict is there and is the expected one
+    assert result.exit_code == 0
 
 
 def test_two_scenarios_of_one_name_are_refused(tmp_path):
