@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ import click
 from cardiosurf.cli.errors import say
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from cardiosurf.study.batch import Done
 
@@ -73,7 +74,7 @@ def check(
 
     count = sum(len(file.scenario.cases) for file in files) * (3 if guard else 1)
     how = How(fast=fast, guard=guard)
-    with alone_in(output):
+    with _goes_on(), alone_in(output):
         result = run_check(
             files, output, how=how, workers=workers or _cores(), on_done=_counter(count)
         )
@@ -123,7 +124,7 @@ def sweep(
     from cardiosurf.study.lock import alone_in
     from cardiosurf.study.sweep import sweep as run_sweep
 
-    with alone_in(folder):
+    with _goes_on(), alone_in(folder):
         result = run_sweep(
             file,
             folder,
@@ -142,6 +143,16 @@ def sweep(
     say(files)
     if result.exit_code:
         raise click.exceptions.Exit(result.exit_code)
+
+
+@contextmanager
+def _goes_on() -> Iterator[None]:
+    """Say after Ctrl-C that nothing is lost."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        say("\nstopped; the same command goes on")
+        raise
 
 
 def _cores() -> int:

@@ -136,6 +136,7 @@ def test_a_stopped_check_writes_no_result_and_goes_on(scenario, out, cardiosurf,
     monkeypatch.setattr(simulation, "judge_recording", stopped)
     done = check(cardiosurf, scenario, out)
     assert done.returncode == 130
+    assert "the same command goes on" in done.stderr
     assert [path.name for path in out.iterdir()] == ["runs"]
     assert check(cardiosurf, scenario, out).returncode == 0
     # the run that was stopped after its march had only its files to write
