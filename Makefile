@@ -6,7 +6,7 @@ PEERS  := .venv-peers
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help install run test test-slow bench roofline check format clean
+.PHONY: help install run sweep verdicts test test-slow bench roofline check format clean
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -24,6 +24,13 @@ $(STAMP): requirements.lock pyproject.toml
 
 run: $(STAMP)  ## run the T-domain and print its verdict
 	$(BIN)/cardiosurf run configs/t_domain.yaml --overwrite
+
+sweep: $(STAMP)  ## map what a scenario varies: SCENARIO=scenarios/x.yaml [JOBS=2]
+	@test -n "$(SCENARIO)" || { echo "which one? make sweep SCENARIO=scenarios/plane_sweep.yaml"; exit 2; }
+	$(BIN)/cardiosurf sweep $(SCENARIO) $(if $(JOBS),--workers $(JOBS))
+
+verdicts: $(STAMP)  ## all scenarios against what is expected of them: [FAST=1] [JOBS=2]
+	$(BIN)/cardiosurf check scenarios $(if $(FAST),--fast) $(if $(JOBS),--workers $(JOBS))
 
 test: $(STAMP)  ## the everyday tests, under 3 minutes
 	$(BIN)/python -m pytest -m "not slow" -n 2

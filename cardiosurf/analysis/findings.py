@@ -6,13 +6,11 @@ from cardiosurf.analysis.block import TargetFinding, target_finding
 from cardiosurf.analysis.reentry import ReentryFinding, reentry_finding
 from cardiosurf.analysis.route import Map
 from cardiosurf.analysis.stimulation import stimulation
+from cardiosurf.analysis.targets import WHOLE_TISSUE
 from cardiosurf.analysis.verdict import NO_CAPTURE_ADVICE, Verdict, whole_verdict
 from cardiosurf.analysis.waves import trace_waves
 from cardiosurf.arrays import Floats, Mask
 from cardiosurf.recording.recording import Recording
-
-WHOLE_TISSUE = "tissue"
-"""Name of the target that stands in where a config has none."""
 
 
 def excitable_vertex_areas(recording: Recording) -> Floats:

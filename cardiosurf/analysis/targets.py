@@ -8,6 +8,9 @@ from annotated_types import MinLen
 from cardiosurf.geometry.regions import Region
 from cardiosurf.sections import Section
 
+WHOLE_TISSUE = "tissue"
+"""Name of the target that stands in where a config has none."""
+
 
 @dataclass(frozen=True)
 class Target(Section):

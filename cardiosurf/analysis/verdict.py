@@ -3,8 +3,8 @@
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from cardiosurf.analysis.block import TargetFinding
-from cardiosurf.analysis.reentry import ReentryFinding
+from cardiosurf.analysis.block import TargetFinding, TargetVerdict
+from cardiosurf.analysis.reentry import ReentryFinding, ReentryVerdict
 
 SCHEMA: Literal["cardiosurf/verdict/1"] = "cardiosurf/verdict/1"
 
@@ -14,6 +14,71 @@ NO_CAPTURE_ADVICE = (
     "the stimulus started no wave: raise its amplitude, radius or duration, or check the kinetics"
     " (fitzhugh_nagumo with the printed constants carries no wave at all)"
 )
+
+
+@dataclass(frozen=True)
+class GuardTarget:
+    """What a guarded run found of one target.
+
+    Attributes
+    ----------
+    verdict : str
+        conduction, block or partial.
+    first_activation : float or None
+        First LAT in the activated part, in tu.
+    """
+
+    verdict: TargetVerdict
+    first_activation: float | None
+
+
+@dataclass(frozen=True)
+class GuardRun:
+    """One of the runs that a convergence check compares.
+
+    Attributes
+    ----------
+    edge_length, step : float
+        The mesh, in su, and the longest step, in tu.
+    verdict : str
+        The whole verdict.
+    reentry : str
+        That of reentry alone.
+    targets : mapping of str to GuardTarget
+        What happened to each target.
+    """
+
+    edge_length: float
+    step: float
+    verdict: WholeVerdict
+    reentry: ReentryVerdict
+    targets: dict[str, GuardTarget]
+
+
+@dataclass(frozen=True)
+class GuardFinding:
+    """Whether a verdict stays when mesh and step are refined.
+
+    Attributes
+    ----------
+    tried : tuple of GuardRun
+        The runs that are compared: the run itself, that on a finer mesh, that with smaller steps.
+    agree : bool
+        Whether the whole verdict and that of every target are the same in all of them.
+    lat_shift : float or None
+        The largest relative shift of a target's first activation against the run itself, counted
+        from the first stimulus; None: no target was activated.
+    lat_tolerance : float
+        What it may be: the config's ``accuracy``.
+    converged : str
+        ``yes``: the verdicts agree and so do the times; ``no`` otherwise.
+    """
+
+    tried: tuple[GuardRun, ...]
+    agree: bool
+    lat_shift: float | None
+    lat_tolerance: float
+    converged: Literal["yes", "no"]
 
 
 @dataclass(frozen=True)
@@ -40,8 +105,8 @@ class Verdict:
         When all tissue was at rest, in tu; None: it was not by the end.
     end : float
         When the run ended, in tu.
-    guard : None
-        Convergence check; None: not asked for.
+    guard : GuardFinding or None
+        Whether it is converged; None: not asked for.
     notes : tuple of str
         Advice and warnings for the reader.
     """
@@ -54,7 +119,7 @@ class Verdict:
     reentry: ReentryFinding
     quiescent_at: float | None
     end: float
-    guard: None = None
+    guard: GuardFinding | None = None
     notes: tuple[str, ...] = ()
     schema: Literal["cardiosurf/verdict/1"] = SCHEMA
 

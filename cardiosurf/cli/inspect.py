@@ -28,20 +28,26 @@ OVERRIDE_HELP = "Change one key: a.b.c=value; list items by number or by their n
     help="Also build mesh, tissue and stimuli; finds empty regions and stimuli off the surface.",
 )
 def validate(configs: tuple[str, ...], overrides: tuple[str, ...], *, with_mesh: bool) -> None:
-    r"""Check configs and say all that is wrong with them.
+    r"""Check configs and scenarios and say what is wrong.
 
-    All files are checked before the command ends, with exit code 2 if any of them is wrong.
+    Of a scenario, the configs of all its cases and points are checked. All files are checked
+    before the command ends, with exit code 2 if any of them is wrong.
 
     \b
     Examples:
-      cardiosurf validate configs/*.yaml
+      cardiosurf validate configs/*.yaml scenarios/*.yaml
       cardiosurf validate --mesh my.yaml --set mesh.edge_length=4
     """
     from cardiosurf.config import load
+    from cardiosurf.config.reader import read_document
+    from cardiosurf.config.scenario_file import is_scenario
 
     wrong, worst = 0, 0
     for file in configs:
         try:
+            if is_scenario(read_document(file).data):
+                click.echo(f"ok  {file}  {_scenario(file, overrides, with_mesh=with_mesh)}")
+                continue
             loaded = load(file, overrides)
             built = f", {_built(loaded)}" if with_mesh else ""
             click.echo(f"ok  {file}  {_contents(loaded)}{built}")
@@ -88,9 +94,13 @@ def mesh(config: str, overrides: tuple[str, ...], output: Path | None, *, overwr
 
 
 @click.command()
-@click.argument("what", type=click.Choice(["config", "verdict"]), default="config")
+@click.argument(
+    "what",
+    type=click.Choice(["config", "scenario", "verdict", "threshold"]),
+    default="config",
+)
 def schema(what: str) -> None:
-    r"""Print the JSON Schema of a config (default) or of a verdict.
+    r"""Print the JSON Schema of a config or of a result.
 
     An editor with a YAML language server then completes and checks keys while you type:
 
@@ -103,6 +113,14 @@ def schema(what: str) -> None:
         from cardiosurf.config import config_schema
 
         published = config_schema()
+    elif what == "scenario":
+        from cardiosurf.config.scenario import scenario_schema
+
+        published = scenario_schema()
+    elif what == "threshold":
+        from cardiosurf.study.threshold_result import threshold_schema
+
+        published = threshold_schema()
     else:
         from cardiosurf.analysis.verdict import verdict_schema
 
@@ -122,6 +140,25 @@ def _contents(loaded: Loaded) -> str:
     edge = config.mesh.edge_length
     edges = "automatic edges" if edge == "auto" else f"edges {edge:g} su"
     return f"{config.name}: {config.geometry.kind}, {edges}, {listed}"
+
+
+def _scenario(file: str, overrides: tuple[str, ...], *, with_mesh: bool) -> str:
+    """Return one line about what a scenario holds, all its configs checked."""
+    from cardiosurf.config.scenario_file import read_scenario
+
+    if overrides:
+        hint = "its own key set holds for all its cases"
+        raise InputError(file, "is a scenario: --set changes configs only", "no --set", hint)
+    read = read_scenario(Path(file))
+    configs = [ready.loaded for ready in (*read.cases(), *read.cases(fast=True))]
+    points = read.points() if read.scenario.sweeps else ()
+    configs += [ready.loaded for ready in points]
+    if with_mesh:
+        for loaded in {loaded.sha256: loaded for loaded in configs}.values():
+            _built(loaded)
+    counts = (len(read.scenario.cases), "case"), (len(points), "point")
+    listed = ", ".join(f"{count} {word}{'s' * (count != 1)}" for count, word in counts)
+    return f"{read.scenario.name}: scenario, {listed}"
 
 
 def _surface(loaded: Loaded) -> Surface:

@@ -23,6 +23,9 @@ _COMMANDS = {
     "schema": "cardiosurf.cli.inspect:schema",
     "analyze": "cardiosurf.cli.run:analyze",
     "plot": "cardiosurf.cli.view:plot",
+    "check": "cardiosurf.cli.study:check",
+    "sweep": "cardiosurf.cli.study:sweep",
+    "threshold": "cardiosurf.cli.threshold:threshold",
 }
 
 _EPILOG = """
@@ -32,6 +35,7 @@ Examples:
   cardiosurf run configs/plane_block.yaml --set tissue.patches.block.anisotropy.x=4
   cardiosurf validate configs/*.yaml
   cardiosurf plot runs/t-domain-head-on
+  cardiosurf check scenarios
 
 \b
 Exit codes: 0 done, 1 verdicts differ from what was expected, 2 bad input,

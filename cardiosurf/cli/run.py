@@ -35,6 +35,12 @@ def _show(verdict: Verdict, extra: list[str], *, as_json: bool) -> None:
 )
 @click.option("--overwrite", is_flag=True, help="Replace a finished or unfinished run there.")
 @click.option("--resume", is_flag=True, help="Go on with an unfinished run there, if any.")
+@click.option(
+    "--guard",
+    is_flag=True,
+    help="Repeat the run on a finer mesh and with smaller steps and say whether the verdict is"
+    " converged; the exit code is 0 either way.",
+)
 @click.option("--no-jit", is_flag=True, help="March with NumPy and SciPy, not in machine code.")
 @click.option(
     "--threads",
@@ -49,6 +55,7 @@ def run(
     *,
     overwrite: bool,
     resume: bool,
+    guard: bool,
     no_jit: bool,
     threads: int | None,
     as_json: bool,
@@ -56,7 +63,8 @@ def run(
     r"""Run a config and say whether conduction is blocked.
 
     Writes recording.h5, recording.xdmf, config.yaml (resolved) and verdict.json into the output
-    folder. A run that is stopped (Ctrl-C) keeps its state there and goes on with --resume.
+    folder. A run that is stopped (Ctrl-C) keeps its state there and goes on with --resume. With
+    --guard the verdict also says whether it is converged; the runs behind that lie in guard/.
 
     \b
     Examples:
@@ -70,6 +78,7 @@ def run(
     from cardiosurf.report.summary import cost_line
     from cardiosurf.stepping.controls import Execution
     from cardiosurf.study.folder import RunFolder
+    from cardiosurf.study.guard import simulate_guarded
     from cardiosurf.study.simulation import simulate
 
     folder = output or Path("runs") / loaded.config.name
@@ -78,10 +87,15 @@ def run(
         click.echo(f"nothing to resume in {folder}: starting from the beginning", err=True)
     try:
         execution = Execution(jit=not no_jit, threads=threads)
-        result = simulate(loaded, folder, overwrite=overwrite, resume=resume, execution=execution)
+        make = simulate_guarded if guard else simulate
+        result = make(loaded, folder, overwrite=overwrite, resume=resume, execution=execution)
     except KeyboardInterrupt:
         if place.resumable:
             click.echo(f"\nstopped; go on with: --resume -o {folder}", err=True)
+        elif guard and place.finished:
+            click.echo(
+                "\nstopped; the run is finished, its guard goes on when called again", err=True
+            )
         raise
     files = [cost_line(result.meta), f"  files in {folder}"]
     _show(result.verdict, files, as_json=as_json)

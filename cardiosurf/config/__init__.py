@@ -2,7 +2,7 @@
 
 from cardiosurf.config.decode import ConfigError
 from cardiosurf.config.dump import dump_config
-from cardiosurf.config.loader import Loaded, load, load_text
+from cardiosurf.config.loader import Loaded, load, load_text, overlay
 from cardiosurf.config.schema import config_schema
 from cardiosurf.config.sections import Config, regions_of, target_key
 
@@ -14,6 +14,7 @@ __all__ = [
     "dump_config",
     "load",
     "load_text",
+    "overlay",
     "regions_of",
     "target_key",
 ]

@@ -4,7 +4,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
@@ -19,11 +19,11 @@ from cardiosurf.config.keys import (
     section_of,
     words_of,
 )
-from cardiosurf.config.sections import Config
 from cardiosurf.errors import InputError
 from cardiosurf.sections import Worded
 from cardiosurf.spelling import did_you_mean
 
+Root = TypeVar("Root")
 _MOST_PROBLEMS = 10
 
 
@@ -58,13 +58,20 @@ class _Mistake:
 
 
 @cache
-def config_adapter() -> TypeAdapter[Config]:
-    """Return pydantic's adapter of the whole config."""
-    return TypeAdapter(Config)
+def adapter_of(root: Any) -> TypeAdapter[Any]:
+    """Return pydantic's adapter of a section."""
+    return TypeAdapter(root)
 
 
-def decode(document: Document) -> Config:
-    """Return the config that a document's data spell.
+def decode(document: Document, root: type[Root]) -> Root:
+    """Return the config or scenario that a document's data spell.
+
+    Parameters
+    ----------
+    document : Document
+        The data.
+    root : type
+        The section that the whole file is.
 
     Raises
     ------
@@ -73,12 +80,14 @@ def decode(document: Document) -> Config:
     """
     try:
         # strict mode takes a mapping for a dataclass and a list for a tuple from JSON only
-        return config_adapter().validate_json(json.dumps(document.data))
+        hashable: Any = root  # mypy doubts it
+        decoded: Root = adapter_of(hashable).validate_json(json.dumps(document.data))
+        return decoded  # noqa: TRY300
     except ValidationError as error:
         details = error.errors(include_url=False)
     mistakes: dict[KeyPath, _Mistake] = {}
     for detail in details:
-        mistake = _mistake(detail, document)
+        mistake = _mistake(detail, root)
         known = mistakes.get(mistake.path)
         # members of a plain union complain one by one about the same value
         if known is None or not known.allowed:
@@ -99,13 +108,13 @@ def _follows_from_another(
     return deeper and "item" in mistake.problem
 
 
-def _mistake(detail: ErrorDetails, document: Document) -> _Mistake:
-    path, annotation = follow(Config, detail["loc"])
+def _mistake(detail: ErrorDetails, root: type) -> _Mistake:
+    path, annotation = follow(root, detail["loc"])
     kind = detail["type"]
     if kind in {"unexpected_keyword_argument", "extra_forbidden"}:
-        return _unknown_key(detail, path)
+        return _unknown_key(detail, path, root)
     if kind == "missing":
-        return _missing(detail, path, annotation)
+        return _missing(detail, path, annotation, root)
     if kind in {"union_tag_invalid", "union_tag_not_found"}:
         choice = choice_of(annotation)
         words = [tag.strip("()") for tag in choice.members] if choice is not None else []
@@ -120,8 +129,8 @@ def _mistake(detail: ErrorDetails, document: Document) -> _Mistake:
     return _Mistake(path, problem, describe(annotation), _advice(value, annotation))
 
 
-def _unknown_key(detail: ErrorDetails, path: KeyPath) -> _Mistake:
-    _, parent = follow(Config, detail["loc"][:-1])
+def _unknown_key(detail: ErrorDetails, path: KeyPath, root: type) -> _Mistake:
+    _, parent = follow(root, detail["loc"][:-1])
     section = section_of(parent)
     known = list(fields_of(section)) if section else []
     wrong = str(path[-1])
@@ -130,9 +139,9 @@ def _unknown_key(detail: ErrorDetails, path: KeyPath) -> _Mistake:
     return _Mistake(path, problem, ", ".join(known))
 
 
-def _missing(detail: ErrorDetails, path: KeyPath, annotation: Any) -> _Mistake:
+def _missing(detail: ErrorDetails, path: KeyPath, annotation: Any, root: type) -> _Mistake:
     if isinstance(path[-1], int):
-        _, parent = follow(Config, detail["loc"][:-1])
+        _, parent = follow(root, detail["loc"][:-1])
         given = detail["input"]
         count = len(given) if isinstance(given, list) else 0
         return _Mistake(path[:-1], f"{show(given)} has {_items(count)}", describe(parent))

@@ -24,7 +24,8 @@ class Document:
     lines : mapping of KeyPath to int
         The line of each key and list item, counted from 1.
     options : mapping of KeyPath to str
-        The values that a ``--set`` option gave, as the option was written.
+        What gave the values that are not the file's own: the ``--set`` option as it was written,
+        or the place in a scenario.
     """
 
     file: str
@@ -38,7 +39,7 @@ class Document:
             option = self.options.get(path[:length])
             if option is not None:
                 inner = f" ({self.spelled(path)})" if length < len(path) else ""
-                return f"--set {option}{inner}"
+                return f"{option}{inner}"
             if path[:length] in self.lines:
                 return f"{self.file}:{self.lines[path[:length]]}: {self.spelled(path)}"
         return f"{self.file}: {self.spelled(path)}" if path else self.file
@@ -92,7 +93,7 @@ class Document:
             return InputError(where, error.problem, error.allowed, error.hint)
         where = self.where(path)
         beyond = named.split(".")[len(path) :]
-        if beyond and not where.startswith("--set "):
+        if beyond and not where.startswith(tuple(self.options.values())):
             where = ".".join([where, *beyond])
         return InputError(where, error.problem, error.allowed, error.hint)
 

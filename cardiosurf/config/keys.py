@@ -167,6 +167,7 @@ _NAMES = {
     bool: "true or false",
     str: "text",
     type(None): "null",
+    Any: "any value",
 }
 
 

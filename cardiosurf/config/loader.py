@@ -73,19 +73,40 @@ def load(path: str | Path, overrides: Sequence[str] = ()) -> Loaded:
     document = read_document(str(path))
     for option in overrides:
         document = override(document, option)
-    return _loaded(document)
+    return load_document(document)
+
+
+def overlay(loaded: Loaded, overrides: Sequence[str]) -> Loaded:
+    """Return a loaded config with ``--set`` options laid over it, in their order.
+
+    Raises
+    ------
+    InputError
+        As ``load`` does.
+    """
+    document = loaded.document
+    for option in overrides:
+        document = override(document, option)
+    return load_document(document)
 
 
 def load_text(text: str, name: str = "config") -> Loaded:
     """Load a config from its text; messages call it ``name``."""
-    return _loaded(parse_document(text, name))
+    return load_document(parse_document(text, name))
 
 
-def _loaded(document: Document) -> Loaded:
+def load_document(document: Document) -> Loaded:
+    """Load a config from its data, whatever was laid over them.
+
+    Raises
+    ------
+    InputError
+        With the place of everything that is wrong (as ConfigError).
+    """
     if "name" not in document.data:
         named = {"name": _safe_name(Path(document.file).stem), **document.data}
         document = replace(document, data=named)
-    config = decode(document)
+    config = decode(document, Config)
     problems = sorted(check(config), key=lambda e: document.line(document.find(e.where)))
     if problems:
         raise ConfigError(document.file, [document.placed(error) for error in problems])

@@ -33,13 +33,37 @@ def override(document: Document, option: str) -> Document:
     name = f"--set {option}"
     if not equals or not all(words):
         raise InputError(name, "is not of the form key.path=value", _FORM, _EXAMPLE)
-    value = parse_value(text, name)
+    return lay(document, dotted.strip(), parse_value(text, name), name)
+
+
+def lay(document: Document, dotted: str, value: Any, label: str) -> Document:
+    """Return the document with one value laid over it.
+
+    Parameters
+    ----------
+    document : Document
+        The config, as far as it is known.
+    dotted : str
+        The key path, list items by index or by their ``name``.
+    value : plain data
+        What goes there.
+    label : str
+        What messages about the value begin with: the option, or the place in a scenario.
+
+    Raises
+    ------
+    InputError
+        If the path runs into something that has no keys.
+    """
+    words = dotted.split(".")
+    if not all(words):
+        raise InputError(label, f"{dotted!r} is no key path", "words with dots between them")
     data = copy.deepcopy(document.data)
-    path, created = _lay(data, words, value, name)
+    path, created = _lay(data, words, value, label)
     below = len(path)
     lines = {key: line for key, line in document.lines.items() if key[:below] != path}
     options = {key: set_by for key, set_by in document.options.items() if key[:below] != path}
-    options |= dict.fromkeys([*created, path], option)
+    options |= dict.fromkeys([*created, path], label)
     return Document(document.file, data, lines, options)
 
 

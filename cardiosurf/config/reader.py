@@ -15,27 +15,31 @@ _LARGEST_FILE = 1_000_000
 _DEEPEST = 40
 _MOST_VALUES = 50_000
 _PLAIN = "mappings, lists, text, numbers, true, false and null"
-_TOP_LEVEL = "a mapping with at least the keys geometry, stimulus and time"
+CONFIG_KEYS = "geometry, stimulus and time"
+"""What every config has."""
 
 
-def read_document(file: str) -> Document:
-    """Read a config file.
+def read_document(file: str, keys: str = CONFIG_KEYS) -> Document:
+    """Read a config file, or another whose top level is a mapping.
 
     Parameters
     ----------
     file : str
         Path of a YAML file.
+    keys : str
+        The keys that a message asks for when the file is no mapping.
 
     Raises
     ------
     InputError
         If the file cannot be read, or is not one YAML mapping of plain values.
     """
-    return parse_document(_read_text(file), file)
+    return parse_document(_read_text(file), file, keys)
 
 
-def parse_document(text: str, file: str) -> Document:
+def parse_document(text: str, file: str, keys: str = CONFIG_KEYS) -> Document:
     """Return the data of a config's text; ``file`` is what messages call it."""
+    top_level = f"a mapping with at least the keys {keys}"
     try:
         node = CoreLoader(text).get_single_node()
     except yaml.MarkedYAMLError as error:
@@ -46,10 +50,10 @@ def parse_document(text: str, file: str) -> Document:
     except RecursionError:
         raise InputError(file, "nested too deeply", f"at most {_DEEPEST} levels") from None
     if node is None:
-        raise InputError(file, "the file is empty", _TOP_LEVEL, "start from a file in configs/")
+        raise InputError(file, "the file is empty", top_level, "start from a file in configs/")
     if not isinstance(node, yaml.MappingNode):
         kind = "a list" if isinstance(node, yaml.SequenceNode) else f"the text {node.value!r:.60}"
-        raise InputError(_line(file, node), f"the file holds {kind}, not a mapping", _TOP_LEVEL)
+        raise InputError(_line(file, node), f"the file holds {kind}, not a mapping", top_level)
     builder = _Builder(file)
     data: dict[str, Any] = builder.value(node, ())
     return Document(file, data, builder.lines, {})

@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from cardiosurf.config.decode import config_adapter
+from cardiosurf.config.decode import adapter_of
 from cardiosurf.config.keys import choice_of, fields_of, items_of, section_of
 from cardiosurf.config.sections import Config
 
@@ -19,16 +19,31 @@ def config_schema() -> dict[str, Any]:
 
     Keys carry the descriptions of the sections' docstrings, so that an editor shows them.
     """
-    schema = config_adapter().json_schema(by_alias=True, mode="validation")
-    classes = {section.__name__: section for section in _sections(Config, set())}
+    return schema_of(Config, SCHEMA_ID, "cardiosurf config")
+
+
+def schema_of(root: type, identity: str, title: str) -> dict[str, Any]:
+    """Return the JSON Schema of a file.
+
+    Parameters
+    ----------
+    root : type
+        The section that the whole file is.
+    identity : str
+        Its ``$id``: name and version.
+    title : str
+        What an editor calls it.
+    """
+    schema = adapter_of(root).json_schema(by_alias=True, mode="validation")
+    classes = {section.__name__: section for section in _sections(root, set())}
     for name, definition in schema.get("$defs", {}).items():
         _document(definition, classes.get(name))
-    _document(schema, Config)
+    _document(schema, root)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "$id": SCHEMA_ID,
+        "$id": identity,
         **schema,
-        "title": "cardiosurf config",
+        "title": title,
     }
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from cardiosurf.analysis.block import TargetFinding
-from cardiosurf.analysis.verdict import Verdict
+from cardiosurf.analysis.verdict import GuardFinding, Verdict
 
 
 def verdict_lines(verdict: Verdict) -> list[str]:
@@ -18,17 +18,37 @@ def verdict_lines(verdict: Verdict) -> list[str]:
     lines = [f"{verdict.name}: {verdict.verdict.upper().replace('_', ' ')}"]
     if verdict.captured:
         width = max(len(target.name) for target in verdict.targets)
-        lines += [_target_line(target, width) for target in verdict.targets]
+        lines += [target_line(target, width) for target in verdict.targets]
         lines.append(_reentry_line(verdict))
     if verdict.quiescent_at is not None:
         lines.append(f"  all tissue at rest at t = {verdict.quiescent_at:.1f} tu")
     else:
         lines.append(f"  stopped at t = {verdict.end:.1f} tu, before all tissue was at rest")
+    if verdict.guard is not None:
+        lines.append(_guard_line(verdict.guard))
     lines += [f"  note: {note}" for note in verdict.notes]
     return lines
 
 
-def _target_line(target: TargetFinding, width: int) -> str:
+def _guard_line(guard: GuardFinding) -> str:
+    meshes = ", ".join(f"{run.edge_length:g} su / {run.step:g} tu" for run in guard.tried)
+    if not guard.agree:
+        return f"  NOT converged: verdicts differ ({meshes})"
+    times = "" if guard.lat_shift is None else f", first activations to {guard.lat_shift:.2%}"
+    settled = "converged" if guard.converged == "yes" else "NOT converged"
+    return f"  {settled}: same verdicts{times} ({meshes})"
+
+
+def target_line(target: TargetFinding, width: int) -> str:
+    """Return what happened to a target in one line.
+
+    Parameters
+    ----------
+    target : TargetFinding
+        The target.
+    width : int
+        Room for its name.
+    """
     line = (
         f"  {target.name:{width}}  {target.verdict:10}  {target.activated_fraction:6.1%} activated"
     )

@@ -3,7 +3,7 @@
 import errno
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from cardiosurf.errors import InputError
@@ -42,6 +42,31 @@ def locked(folder: Path) -> Iterator[None]:
         yield
     finally:
         os.close(descriptor)
+
+
+@contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """Make a folder of many runs and keep other commands out of it; an empty one does not stay.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder of a check or a sweep.
+
+    Raises
+    ------
+    InputError
+        Another command is working in the folder, or it cannot be written to.
+    """
+    inside = folder / ".working"
+    with locked(inside):
+        try:
+            yield
+        finally:
+            with suppress(OSError):  # another command may be moving in
+                (inside / NAME).unlink(missing_ok=True)
+                inside.rmdir()
+                folder.rmdir()
 
 
 def _lock(folder: Path) -> int:

@@ -8,7 +8,9 @@ import pytest
 from cardiosurf import __version__
 from cardiosurf.cli.main import cli, main
 
-COMMANDS = ["run", "validate", "mesh", "schema", "analyze", "plot"]
+COMMANDS = [
+    *("run", "validate", "mesh", "schema", "analyze", "plot", "check", "sweep", "threshold"),
+]
 HEAVY = ["numpy", "scipy", "skfem", "h5py", "matplotlib", "pydantic", "yaml", "meshio", "rich"]
 
 
@@ -49,7 +51,7 @@ def test_version(capsys):
         (["zzz"], "No such command 'zzz'."),
         (["mesh", "--ouput", "a.vtu"], "--output"),
         (["mesh"], "Missing argument 'CONFIG'"),
-        (["schema", "verdit"], "'config', 'verdict'"),
+        (["schema", "verdit"], "'scenario', 'verdict', 'threshold'"),
     ],
 )
 def test_misspelt_words_end_with_exit_code_2_and_a_suggestion(arguments, says, capsys):

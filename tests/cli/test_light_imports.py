@@ -54,14 +54,27 @@ def test_help_loads_nothing_heavy():
 CONFIG = {"numpy", "pydantic", "yaml"}
 
 
-@pytest.mark.parametrize("command", ["validate", "mesh", "run"])
+@pytest.mark.parametrize("command", ["validate", "mesh", "run", "check", "sweep"])
 def test_a_wrong_config_is_found_before_anything_is_built(tmp_path, command):
     assert heavy(command, tmp_path / "none.yaml") <= CONFIG
+
+
+def test_a_wrong_config_is_found_before_a_search_begins(tmp_path):
+    words = ("--vary", "tissue.diffusivity", "--between", 1, 2)
+    assert heavy("threshold", tmp_path / "none.yaml", *words) <= CONFIG
 
 
 def test_a_config_is_checked_without_what_builds_and_marches(strip):
     assert heavy("validate", strip) <= CONFIG
     assert heavy("schema") <= CONFIG
+
+
+def test_a_scenario_is_checked_without_what_builds_and_marches(strip, tmp_path):
+    scenario = tmp_path / "scenario.yaml"
+    scenario.write_text(f"name: one\nbase: {strip.name}\ncases: [{{name: a}}]\n")
+    assert heavy("validate", scenario) <= CONFIG
+    scenario.write_text(f"name: one\nbase: {strip.name}\ncases: [{{name: a, set: {{b.c: 1}}}}]\n")
+    assert heavy("check", scenario) <= CONFIG
 
 
 @pytest.mark.parametrize("command", ["analyze", "plot"])

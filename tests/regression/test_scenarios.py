@@ -1,35 +1,30 @@
-"""Every case of every scenario must still end with the verdict that stands in it."""
+"""Every case of every scenario must still end as it is written there, at full and fast meshes."""
 
-import json
 from pathlib import Path
 
 import pytest
-import yaml
 
-from cardiosurf.config import load
-from cardiosurf.study.simulation import simulate
+from cardiosurf.config.scenario_file import read_scenario, scenario_paths
+from cardiosurf.report.check_report import check_lines
+from cardiosurf.study.check import How, check
 
-FOLDER = Path(__file__).parents[2] / "scenarios"
-
-
-def cases():
-    for path in sorted(FOLDER.glob("*.yaml")):
-        scenario = yaml.safe_load(path.read_text(encoding="utf-8"))
-        for case in scenario["cases"]:
-            yield pytest.param(scenario, case, id=f"{scenario['name']}-{case['name']}")
+FILES = scenario_paths([Path(__file__).parents[2] / "scenarios"])
+WITH_CASES = [path for path in FILES if read_scenario(path).scenario.cases]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("scenario", "case"), list(cases()))
-def test_the_verdict_is_the_expected_one(scenario, case, tmp_path):
-    overrides = [f"{key}={json.dumps(value)}" for key, value in case.get("set", {}).items()]
-    loaded = load(FOLDER / scenario["base"], overrides)
-    verdict = simulate(loaded, tmp_path / "run").verdict.to_json()
-    found = {target["name"]: target for target in verdict["targets"]}
-    for key, value in case["expect"].items():
-        if key == "verdict":
-            assert verdict["verdict"] == value
-        elif key == "reentry":
-            assert verdict["reentry"]["verdict"] == value
-        else:
-            assert {word: found[key][word] for word in value} == value
+@pytest.mark.parametrize("fast", [False, True], ids=["full", "fast"])
+@pytest.mark.parametrize("path", WITH_CASES, ids=[path.stem for path in WITH_CASES])
+def test_everything_is_as_expected(path, fast, tmp_path):
+    result = check([read_scenario(path)], tmp_path, how=How(fast=fast))
+    assert result.exit_code == 0, "\n".join(check_lines(result))
+
+
+@pytest.mark.parametrize("path", FILES, ids=[path.stem for path in FILES])
+def test_every_case_and_point_has_a_config_that_is_right(path):
+    file = read_scenario(path)
+    cases = file.cases(fast=True)
+    assert len(cases) == len(file.scenario.cases)
+    # a case that expects nothing is compared with nothing
+    assert all(case.expected for case in cases)
+    assert cases or file.points()

@@ -127,4 +127,6 @@ def test_verdict_json_meets_its_published_schema():
     assert data["schema"] == "cardiosurf/verdict/1"
     assert not validator.is_valid({**data, "verdict": "maybe"})
     assert not validator.is_valid({**data, "colour": "red"})
+    assert data["guard"] is None
+    assert not validator.is_valid({**data, "guard": True})
     assert not validator.is_valid({k: v for k, v in data.items() if k != "captured"})
