@@ -2,7 +2,7 @@
 
 import pytest
 
-from cardiosurf.config import load
+from cardiosurf.config import load, overlay
 from cardiosurf.errors import InputError
 
 TEXT = """\
@@ -59,6 +59,13 @@ def test_later_options_win(file):
     options = ["mesh={edge_length: 4}", "mesh.edge_length=5", "mesh.mass=lumped"]
     mesh = load(file, options).config.mesh
     assert (mesh.edge_length, mesh.mass) == (5.0, "lumped")
+
+
+def test_laying_over_a_loaded_config_is_loading_with_the_options(file):
+    first, then = ["mesh.edge_length=4", "mesh.mass=lumped"], ["mesh.edge_length=5"]
+    assert overlay(load(file, first), then).sha256 == load(file, [*first, *then]).sha256
+    with pytest.raises(InputError, match="did you mean 'edge_length'"):
+        overlay(load(file), ["mesh.edge_lenght=4"])
 
 
 def test_a_set_config_is_the_config_written_out(file, tmp_path):
