@@ -44,8 +44,8 @@ def test_the_width_of_a_gap_that_a_wave_can_jump(gap, tmp_path, cardiosurf):
     assert found["vary"] == "tissue.patches.scar.region.box.x.1"
     (change,) = found["changes"]
     assert (change["below"], change["above"]) == ("conduction", "no conduction")
-    # a finite-difference code of its own finds 8.29 (test_a_gap_by_finite_differences)
-    assert abs(change["value"] - 25 - 8.29) <= change["error"]
+    # a finite-difference code of its own finds 8.28 (test_a_gap_by_finite_differences)
+    assert abs(change["value"] - 25 - 8.28) <= change["error"]
     assert [level["edge_length"] for level in change["levels"]] == [5.0, 3.5, 2.5]
     # steps go with the edges
     assert [level["step"] for level in found["levels"]] == [2.0, 1.4, 1.0]
@@ -175,7 +175,7 @@ def test_a_value_that_cannot_be_run_is_named(gap, tmp_path, cardiosurf):
     assert not (tmp_path / "out" / "threshold.json").exists()
 
 
-def gap_conducts(width, dx):
+def gap_conducts(width, dx, end):
     """March a cable of the paper's model with a passive gap, explicitly; say whether u arrives."""
     a, b, c1, c2, dt = 0.13, 0.013, 0.26, 0.1, 0.2 * dx**2
     x = np.arange(0.0, 60.0 + dx / 2, dx)
@@ -184,14 +184,17 @@ def gap_conducts(width, dx):
     edge = (25.0 + width) / dx
     alive[int(np.floor(edge + 0.5))] = np.floor(edge + 0.5) + 0.5 - edge
     alive[round(25.0 / dx)] = 0.5
-    u, v = 1.0 / (1.0 + np.exp(np.minimum((x - 4.0) / 0.1, 500.0))), np.zeros_like(x)
-    for _ in range(int(500.0 / dt)):
+    u, v = 1.0 / (1.0 + np.exp(np.clip((x - 4.0) / 0.1, -500.0, 500.0))), np.zeros_like(x)
+    for _ in range(int(end / dt)):
         bent = np.empty_like(u)
         bent[1:-1] = u[2:] - 2 * u[1:-1] + u[:-2]
         bent[0], bent[-1] = 2 * (u[1] - u[0]), 2 * (u[-2] - u[-1])
         rate = alive * (c1 * u * (u - a) * (1 - u) - c2 * u * v)
         u, v = u + dt * (bent / dx**2 + rate), v + dt * (alive > 0.0) * b * (u - v)
-    return u[-1] > 0.5 or v[-1] > 0.1
+        # at once: by the end of a long run the tissue has recovered
+        if u[-1] > 0.5:
+            return True
+    return False
 
 
 @pytest.mark.slow
@@ -199,9 +202,10 @@ def test_a_gap_by_finite_differences(gap, tmp_path, cardiosurf):
     low, high = 4.0, 12.0
     while high - low > 0.05:
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if gap_conducts(middle, 0.5) else (low, middle)
-    # 8.30, 8.29, 8.29 with dx = 1, 0.5, 0.25
-    assert low == pytest.approx(8.29, abs=0.05)
+        low, high = (middle, high) if gap_conducts(middle, 0.5, 700.0) else (low, middle)
+    # 8.30, 8.29, 8.28 with dx = 1, 0.5, 0.25; the latest wave that jumps arrives at 460 to 530 tu,
+    # so an end of 700 or 1000 makes no difference, while one of 350 would find 7.77
+    assert low == pytest.approx(8.28, abs=0.05)
     words = (*WIDTH, "--between", 29, 37, "--edges", "2.5,1.75,1.25", "-o", tmp_path / "out")
     done = cardiosurf("threshold", gap, *words, "--json", "--set", "time.step=1")
     (change,) = json.loads(done.stdout)["changes"]
