@@ -22,6 +22,7 @@ SCHEMA = "cardiosurf/run/1"
 
 # what the numbers of a run come from; cli, report and the rest of study only arrange them
 NUMERIC = (
+    "expressions",
     "geometry",
     "tissue",
     "fem",
