@@ -7,15 +7,17 @@ from cardiosurf.geometry.plane import Plane
 from cardiosurf.geometry.sphere import Sphere
 from cardiosurf.geometry.surface import Surface
 from cardiosurf.geometry.t_domain import TDomain
+from cardiosurf.geometry.torus import Torus
 from cardiosurf.geometry.vein import Vein
 
-AnyShape: TypeAlias = Plane | Vein | TDomain | Sphere
+AnyShape: TypeAlias = Plane | Vein | TDomain | Sphere | Torus
 
 SHAPES: dict[str, type[AnyShape]] = {
     "plane": Plane,
     "vein": Vein,
     "t_domain": TDomain,
     "sphere": Sphere,
+    "torus": Torus,
 }
 
 __all__ = ["SHAPES", "AnyShape", "Surface", "build_surface", "check_size", "points_inside"]

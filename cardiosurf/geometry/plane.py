@@ -55,6 +55,7 @@ class PlaneSheet:
     parts = ("plane",)
     axes = (("x", "y"),)
     edge_names = ("left", "right", "bottom", "top")
+    periods = None
 
     @property
     def size(self) -> float:

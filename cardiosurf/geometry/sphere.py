@@ -49,6 +49,7 @@ class SphereSheet:
     parts = ("sphere",)
     axes = (("theta", "phi"),)
     edge_names = ()
+    periods = None
 
     @property
     def size(self) -> float:
