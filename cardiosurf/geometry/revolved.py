@@ -142,7 +142,7 @@ class RevolvedSheet:
         return np.stack([-upward * np.cos(phi), -upward * np.sin(phi), outward], axis=1)
 
     def part_of(self, points: Floats) -> Ints:
-        """Return the part's number, -1 past an open edge; a ring between two belongs to the first."""
+        """Return the part's number, -1 past an open edge; rings belong to the part before them."""
         if self.profile.closed:
             return np.zeros(len(points), dtype=np.int64)
         s, _ = self._placed(points)

@@ -51,10 +51,10 @@ def skeleton(sheet: Sheet, regions: Mapping[str, Region], edge_length: float) ->
     for number, level in enumerate(levels):
         found = follow(number, level, ground, sheet)
         chains += [c for c in found if not _follows_earlier(c, levels[:number], sheet, same)]
-    corners, sets = _clustered(crossings(chains, levels, ground, sheet), len(fixed), same)
+    corners, sets, pinched = _clustered(crossings(chains, levels, ground, sheet), len(fixed), same)
     pieces = [p for c in chains for p in _split(c, corners, sets, 0.3 * ground.spacing)]
     pieces = [p for p in pieces if not (p.ends[0] == p.ends[1] >= 0 and p.length < 4.0 * same)]
-    pieces = _joined(_real(pieces, levels, sheet, regions), len(corners))
+    pieces = _joined(_real(pieces, levels, sheet, regions), len(corners), pinched)
     used = np.unique([end for p in pieces for end in p.ends if end >= 0]).astype(np.int64)
     renumbered = np.full(len(corners) + 1, -1)
     renumbered[used] = np.arange(len(used))
@@ -89,16 +89,19 @@ def _follows_earlier(chain: Chain, earlier: Sequence[Level], sheet: Sheet, same:
     return False
 
 
-def _clustered(found: Crossings, fixed: int, same: float) -> tuple[Floats, list[set[int]]]:
+def _clustered(
+    found: Crossings, fixed: int, same: float
+) -> tuple[Floats, list[set[int]], set[int]]:
     """Return one corner for all crossings within ``same``, and the levels that meet in it.
 
     The best-defined crossing stands for the others: levels of the shape before levels of regions,
-    steep crossings before tangential ones.
+    steep crossings before tangential ones. The third are the corners in which a level crosses
+    itself.
     """
     order = np.lexsort((-found.sine, -(found.pairs < fixed).sum(axis=1)))
     points, pairs = found.points[order], found.pairs[order]
     if not len(points):
-        return points, []
+        return points, [], set()
     near = scipy.spatial.cKDTree(points).query_ball_point(points, same)
     corner_of = np.full(len(points), -1)
     corners: list[int] = []
@@ -111,7 +114,8 @@ def _clustered(found: Crossings, fixed: int, same: float) -> tuple[Floats, list[
             mine = np.asarray(others)
             corner_of[mine[corner_of[mine] < 0]] = corner_of[number]
         sets[corner_of[number]].update(pairs[number].tolist())
-    return points[corners], sets
+    pinched = set(corner_of[pairs[:, 0] == pairs[:, 1]].tolist())
+    return points[corners], sets, pinched
 
 
 def _split(chain: Chain, corners: Floats, sets: list[set[int]], reach: float) -> list[Piece]:
@@ -188,8 +192,11 @@ def _signature(points: Floats, sheet: Sheet, regions: Mapping[str, Region]) -> I
     return np.stack([part, *(one.astype(np.int64) for one in inside)], axis=1)
 
 
-def _joined(pieces: list[Piece], corners: int) -> list[Piece]:
-    """Return the pieces, those joined that run on into each other where nothing else ends."""
+def _joined(pieces: list[Piece], corners: int, pinched: set[int]) -> list[Piece]:
+    """Return the pieces, those joined that run on into each other where nothing else ends.
+
+    Where a level crosses itself two pieces of it may make an angle, and stay apart.
+    """
     done = False
     while not done:
         done = True
@@ -201,7 +208,7 @@ def _joined(pieces: list[Piece], corners: int) -> list[Piece]:
         gone: set[int] = set()
         new: list[Piece] = []
         for corner, here in enumerate(meet):
-            if len(here) != 2 or gone & set(here):
+            if len(here) != 2 or gone & set(here) or corner in pinched:
                 continue
             one, other = pieces[here[0]], pieces[here[1]]
             if one.level != other.level or one.soft != other.soft:

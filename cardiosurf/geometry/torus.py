@@ -15,7 +15,7 @@ _THICKEST = 0.95
 
 @dataclass(frozen=True)
 class Torus(Section):
-    """The tube of radius tube_radius about the circle of radius ring_radius in the plane z = 0, in su.
+    """The tube of tube_radius about the circle of ring_radius in the plane z = 0, in su.
 
     x = ((R + r cos theta) cos phi, (R + r cos theta) sin phi, r sin theta), R = ring_radius,
     r = tube_radius; theta and phi from -pi to pi, theta = 0 on the outer equator. No open edges.
