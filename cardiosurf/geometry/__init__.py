@@ -2,6 +2,7 @@
 
 from typing import TypeAlias
 
+from cardiosurf.geometry.atrium import Atrium
 from cardiosurf.geometry.build import build_surface, check_size, points_inside
 from cardiosurf.geometry.plane import Plane
 from cardiosurf.geometry.sphere import Sphere
@@ -10,7 +11,7 @@ from cardiosurf.geometry.t_domain import TDomain
 from cardiosurf.geometry.torus import Torus
 from cardiosurf.geometry.vein import Vein
 
-AnyShape: TypeAlias = Plane | Vein | TDomain | Sphere | Torus
+AnyShape: TypeAlias = Plane | Vein | TDomain | Sphere | Torus | Atrium
 
 SHAPES: dict[str, type[AnyShape]] = {
     "plane": Plane,
@@ -18,6 +19,7 @@ SHAPES: dict[str, type[AnyShape]] = {
     "t_domain": TDomain,
     "sphere": Sphere,
     "torus": Torus,
+    "atrium": Atrium,
 }
 
 __all__ = ["SHAPES", "AnyShape", "Surface", "build_surface", "check_size", "points_inside"]

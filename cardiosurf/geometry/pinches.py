@@ -37,14 +37,16 @@ def saddles(level: Level, points: Floats, edges: Ints, sheet: Sheet, spacing: fl
     least = (slope < _SHALLOW) & (np.abs(level.value(points)) < spacing)
     for here, there in (edges.T, edges[:, ::-1].T):
         least[here[slope[here] > slope[there]]] = False
-    start = points[least]
+    start: Floats = points[least]
     if not len(start):
         return start
     found, bending = _stationary(level, start, sheet, spacing)
     good = np.linalg.norm(_slopes(level, found, sheet), axis=1) < 1e3 * _FLAT
     good &= np.linalg.norm(found - start, axis=1) < 2.0 * spacing
     good &= np.abs(level.value(found)) < 0.02 * spacing
-    return found[good & (np.linalg.det(bending) < -_LOPSIDED * (bending**2).sum(axis=(1, 2)))]
+    return np.asarray(
+        found[good & (np.linalg.det(bending) < -_LOPSIDED * (bending**2).sum(axis=(1, 2)))]
+    )
 
 
 def _slopes(level: Level, points: Floats, sheet: Sheet) -> Floats:

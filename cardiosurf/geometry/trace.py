@@ -117,20 +117,25 @@ def crossings(
     found, residual, sine = onto_crossing(start, pair, levels, sheet, ground.spacing)
     near_by = np.linalg.norm(found - start, axis=1) < 3.0 * ground.spacing
     good = near_by & (residual < 1e-8) & ~_pinched(found, pair, ground)
-    own = [(p, n) for n, points in enumerate(ground.pinches) for p in points]
-    through = [
-        (place, (number, other))
-        for place, number in own
-        for other, level in enumerate(levels)
-        if other == number or abs(level.value(place[None])[0]) < ON_LEVEL
-    ]
-    places = np.array([place for place, _ in through]).reshape(-1, 3)
-    both = np.array([pair for _, pair in through], dtype=np.int64).reshape(-1, 2)
+    places, own = _pinches(levels, ground)
     return Crossings(
         np.concatenate([found[good], places]),
         np.concatenate([sine[good], np.ones(len(places))]),
-        np.concatenate([pair[good], both]),
+        np.concatenate([pair[good], own]),
     )
+
+
+def _pinches(levels: Sequence[Level], ground: Background) -> tuple[Floats, Ints]:
+    """Return where levels cross themselves (k, 3), paired (k, 2) with all that pass there."""
+    through = [
+        (place, (number, other))
+        for number, places in enumerate(ground.pinches)
+        for place in places
+        for other, level in enumerate(levels)
+        if other == number or abs(level.value(place[None])[0]) < ON_LEVEL
+    ]
+    spots = np.array([place for place, _ in through], dtype=np.float64).reshape(-1, 3)
+    return spots, np.array([pair for _, pair in through], dtype=np.int64).reshape(-1, 2)
 
 
 def _pinched(points: Floats, pairs: Ints, ground: Background) -> Mask:
