@@ -165,10 +165,11 @@ def _unrolled(
     shift = np.repeat([0.0, -360.0, 360.0], [len(phi), len(right), len(left)])
     across = (phi[again] + shift[:, None]).ravel()
     vertices = surface.triangles[inside[again]].ravel()
-    # a vertex of the mesh is one of the view's for every phi that it is drawn at
-    keys = np.column_stack((vertices, np.round(across * 1e6)))
+    # a vertex of the mesh is one of the view's for every place that it is drawn at
+    height = upward[again].ravel()
+    keys = np.column_stack((vertices, np.round(across * 1e6), np.round(height * 1e3)))
     _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    points = np.column_stack((across, upward[again].ravel()))[first]
+    points = np.column_stack((across, height))[first]
     return View(
         title=title,
         labels=labels,
