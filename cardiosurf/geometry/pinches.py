@@ -13,7 +13,8 @@ _STEP = 1e-4
 _FLAT = 1e-10
 # curvatures that differ more than this from each other's negative do not make a saddle
 _LOPSIDED = 1e-3
-ON_LEVEL = 1e-8
+# as near to the zero set as the tracing of curves can tell
+ON_LEVEL = 1e-9
 
 
 def saddles(level: Level, points: Floats, edges: Ints, sheet: Sheet, spacing: float) -> Floats:

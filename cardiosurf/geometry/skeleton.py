@@ -18,6 +18,7 @@ from cardiosurf.geometry.trace import Chain, Crossings, background, crossings, f
 
 _SAME = 0.005
 _BESIDE = 1e-6
+_THROUGH = 1e-5
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ def skeleton(sheet: Sheet, regions: Mapping[str, Region], edge_length: float) ->
         found = follow(number, level, ground, sheet)
         chains += [c for c in found if not _follows_earlier(c, levels[:number], sheet, same)]
     corners, sets, pinched = _clustered(crossings(chains, levels, ground, sheet), len(fixed), same)
-    pieces = [p for c in chains for p in _split(c, corners, sets, 0.3 * ground.spacing)]
+    pieces = [p for c in chains for p in _split(c, corners, sets, pinched, 0.3 * ground.spacing)]
     pieces = [p for p in pieces if not (p.ends[0] == p.ends[1] >= 0 and p.length < 4.0 * same)]
     pieces = _joined(_real(pieces, levels, sheet, regions), len(corners), pinched)
     used = np.unique([end for p in pieces for end in p.ends if end >= 0]).astype(np.int64)
@@ -118,32 +119,53 @@ def _clustered(
     return points[corners], sets, pinched
 
 
-def _split(chain: Chain, corners: Floats, sets: list[set[int]], reach: float) -> list[Piece]:
+def _split(
+    chain: Chain, corners: Floats, sets: list[set[int]], pinched: set[int], reach: float
+) -> list[Piece]:
     """Return the chain's pieces between corners; what hangs over at open ends is dropped."""
-    mine = np.array([i for i, levels in enumerate(sets) if chain.level in levels], dtype=np.int64)
-    start, step = chain.points[:-1], np.diff(chain.points, axis=0)
-    length = np.linalg.norm(step, axis=1)
+    mine = [i for i, levels in enumerate(sets) if chain.level in levels]
+    length = np.linalg.norm(np.diff(chain.points, axis=0), axis=1)
     past = np.concatenate([[0.0], np.cumsum(length)])
-    away = corners[mine][:, None] - start[None]
-    share = np.einsum("csk,sk->cs", away, step) / np.maximum(length**2, 1e-300)
-    share = np.clip(share, 0.0, 1.0)
-    distance = np.linalg.norm(away - share[:, :, None] * step[None], axis=2)
-    if len(mine):
-        mine_close = distance.min(axis=1) < reach
-        best = distance.argmin(axis=1)[mine_close]
-        place = past[best] + share[mine_close, best] * length[best]
-        mine = mine[mine_close]
-        order = np.argsort(place, kind="stable")
-        mine, place = mine[order], place[order]
-    if not len(mine):
+    crossed = [i for i in mine if i in pinched]
+    stops = _passed(chain, past, corners, np.array(sorted({*mine} - {*crossed}), dtype=int), reach)
+    for corner in crossed:
+        stops += _passed_often(chain, past, corner, corners[corner], reach)
+    stops.sort(key=lambda stop: stop[1])
+    if not stops:
         whole = (Piece(chain.level, chain.points, (-1, -1)),)
         return list(whole) if chain.closed else []
-    stops = list(zip(mine.tolist(), place.tolist(), strict=True))
     pieces = [_between(chain, past, corners, one, other) for one, other in pairwise(stops)]
     if chain.closed:
         first = (stops[0][0], stops[0][1] + past[-1])
         pieces.append(_between(chain, past, corners, stops[-1], first))
     return [piece for piece in pieces if piece.length > 0.0]
+
+
+def _passed(
+    chain: Chain, past: Floats, corners: Floats, mine: Ints, reach: float
+) -> list[tuple[int, float]]:
+    """Return the corners among ``mine`` near the chain, and after which length each comes."""
+    if not len(mine):
+        return []
+    start, step = chain.points[:-1], np.diff(chain.points, axis=0)
+    length = np.linalg.norm(step, axis=1)
+    away = corners[mine][:, None] - start[None]
+    share = np.einsum("csk,sk->cs", away, step) / np.maximum(length**2, 1e-300)
+    share = np.clip(share, 0.0, 1.0)
+    distance = np.linalg.norm(away - share[:, :, None] * step[None], axis=2)
+    close = np.flatnonzero(distance.min(axis=1) < reach)
+    best = distance.argmin(axis=1)[close]
+    place = past[best] + share[close, best] * length[best]
+    return list(zip(mine[close].tolist(), place.tolist(), strict=True))
+
+
+def _passed_often(
+    chain: Chain, past: Floats, corner: int, at: Floats, reach: float
+) -> list[tuple[int, float]]:
+    """Return every passage of the chain through a corner in which its level crosses itself."""
+    points = chain.points[:-1] if chain.closed else chain.points
+    through = np.flatnonzero(np.linalg.norm(points - at, axis=1) < _THROUGH * reach)
+    return [(corner, float(past[one])) for one in through]
 
 
 def _between(
