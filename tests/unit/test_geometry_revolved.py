@@ -56,7 +56,8 @@ def torus() -> Surface:
         {
             "block": box(x=(-50, 50), y=(0, 150)),
             "inner": AnyOf((polar(theta=(PI / 2, PI)), polar(theta=(-PI, -PI / 2)))),
-            "across_theta": polar(theta=(PI - 0.5, PI), phi=(-0.4, 0.4)),
+            "across_theta": polar(theta=(PI - 0.5, PI + 0.3), phi=(-0.4, 0.4)),
+            "from_below": polar(theta=(-PI - 0.5, -PI + 0.3), phi=(1.0, 2.0)),
             "across_phi": polar(theta=(-0.4, 0.9), phi=(2.9, 4.0)),
             "cap": half_space((-1.0, 0.0, 0.0), 140.0),
             "above": box(z=(30.0, 50.0)),
@@ -87,7 +88,8 @@ def torus_regions() -> dict[str, float]:
     return {
         "block": across(in_block),
         "inner": patch((PI / 2, 3 * PI / 2), 2 * PI),
-        "across_theta": patch((PI - 0.5, PI), 0.8),
+        "across_theta": patch((PI - 0.5, PI + 0.3), 0.8),
+        "from_below": patch((-PI - 0.5, -PI + 0.3), 1.0),
         "across_phi": patch((-0.4, 0.9), 1.1),
         "cap": across(in_cap),
         "above": patch((top, PI - top), 2 * PI),
