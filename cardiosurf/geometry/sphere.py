@@ -22,7 +22,7 @@ _ON_AXIS = 1e-6
 class Sphere(Section):
     """The sphere of the given radius about the origin, in su.
 
-    Its net is (theta, phi): theta the angle from the pole, phi the azimuth about it, right-handed.
+    Its net is (theta, phi): theta the polar angle from the pole, phi the azimuth about it, right-handed.
     phi = 0 is the meridian on the side of +x; with the pole on the x axis, where that says
     nothing, on the side of +y. No open edges.
 
