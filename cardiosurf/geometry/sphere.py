@@ -22,9 +22,9 @@ _ON_AXIS = 1e-6
 class Sphere(Section):
     """The sphere of the given radius about the origin, in su.
 
-    Its net is (theta, phi): theta the polar angle from the pole, phi the azimuth about it, right-handed.
-    phi = 0 is the meridian on the side of +x; with the pole on the x axis, where that says
-    nothing, on the side of +y. No open edges.
+    Its net is (theta, phi): theta the polar angle from the pole, phi the azimuth about it,
+    right-handed. phi = 0 is the meridian on the side of +x; with the pole on the x axis, where
+    that says nothing, on the side of +y. No open edges.
 
     With the unit pole p, a = x - (x . p) p made a unit vector, b = p x a, points have
     cos theta = p . n and phi = atan2(b . n, a . n), n = point / radius: with the usual pole +z,
