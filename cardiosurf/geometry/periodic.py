@@ -28,8 +28,8 @@ def periodic_delaunay(flat: Floats, periods: Periods) -> Ints:
 
     Points near the cell's edges are copied to its other side, all are triangulated in the plane,
     and of all copies of a triangle the one is kept whose lowest vertex lies in the cell itself.
-    Copies reach as far as any circle around a kept triangle; circles that are many times wider
-    than usual belong to gaps, where the points are not all there are.
+    Copies reach as far as the circle around any kept triangle, so that it is found; circles that
+    are many times wider than usual belong to gaps, where the points are not all there are.
 
     Parameters
     ----------
@@ -55,7 +55,10 @@ def periodic_delaunay(flat: Floats, periods: Periods) -> Ints:
         lowest = np.take_along_axis(found, triangles.argmin(axis=1)[:, None], axis=1)[:, 0]
         kept = lowest < len(flat)
         kept &= (triangles != triangles[:, [1, 2, 0]]).all(axis=1)
-        if share >= 1.0 or _within(places, found[kept], cell, share):
+        # a triangle that is seen from the cell, moved to where its lowest vertex is in the cell
+        seen = (found < len(flat)).any(axis=1)
+        home = places[lowest[seen]] - flat[names[lowest[seen]]]
+        if share >= 1.0 or _within(places[found[seen]] - home[:, None], cell, share):
             return triangles[kept]
         share = min(1.0, _WIDEN * share)
 
@@ -75,10 +78,10 @@ def _copies(flat: Floats, cell: Floats, share: float) -> tuple[Ints, Floats]:
     return names, places
 
 
-def _within(places: Floats, triangles: Ints, cell: Floats, share: float) -> bool:
-    """Return whether the circles around the triangles lie where all copies are."""
-    a = places[triangles[:, 0]]
-    b, c = places[triangles[:, 1]] - a, places[triangles[:, 2]] - a
+def _within(corners: Floats, cell: Floats, share: float) -> bool:
+    """Return whether the circles around triangles (k, 3, 2) lie where all copies are."""
+    a = corners[:, 0]
+    b, c = corners[:, 1] - a, corners[:, 2] - a
     twice = 2.0 * (b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0])
     bb, cc = (b * b).sum(axis=1), (c * c).sum(axis=1)
     offset = np.stack([c[:, 1] * bb - b[:, 1] * cc, b[:, 0] * cc - c[:, 0] * bb], axis=1)

@@ -39,6 +39,30 @@ def test_steps_are_the_shortest() -> None:
     np.testing.assert_array_equal(wrapped(np.array([[9.0, 9.0]]), None), [[9.0, 9.0]])
 
 
+@pytest.mark.parametrize("count", [40, 60, 90, 150])
+def test_few_points_leave_no_triangle_out(count: int) -> None:
+    # edges as long as the first margin of copies: some triangles have their home copy outside it
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        flat = rng.uniform(size=(count, 2)) * [3.0, 2.0 * np.pi]
+        triangles = periodic_delaunay(flat, BOTH)
+        assert len(triangles) == 2 * count
+        assert len(open_edges(triangles)) == 0
+
+
+@pytest.mark.parametrize("count", [24, 40, 90, 150])
+def test_few_points_leave_no_hole_in_a_ring(count: int) -> None:
+    around = 2.0 * np.pi * np.arange(12) / 12
+    rims = [np.stack([np.full(12, w), around], axis=1) for w in (0.0, 3.0)]
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        inner = [0.3, 0.0] + rng.uniform(size=(count, 2)) * [2.4, 2.0 * np.pi]
+        triangles = periodic_delaunay(np.concatenate([*rims, inner]), AROUND)
+        # the two rims, and V - E + F = 0, 2 E = 3 F + 24
+        assert len(open_edges(triangles)) == 24
+        assert len(triangles) == 2 * (count + 24) - 24
+
+
 @pytest.mark.parametrize("count", [150, 600])
 def test_circles_on_a_flat_torus_are_empty(count: int) -> None:
     flat = cloud(count)
