@@ -202,7 +202,7 @@ def _report(loaded: Loaded, surface: Surface) -> list[str]:
         ("duplicate vertices", str(q.duplicates), "0 is right"),
         ("orphan vertices", str(q.orphans), "0 is right"),
         ("crossed edges", str(q.crossed), "0 is right"),
-        ("Euler characteristic", str(q.euler), "2 sphere, 1 disc, 0 ring"),
+        ("Euler characteristic", str(q.euler), "2 sphere, 1 disc, 0 ring or torus"),
         ("loops of open edges", str(q.loops), ", ".join(surface.edges)),
         ("area", f"{q.area:.6g} su^2", ""),
     ]

@@ -25,7 +25,7 @@ def check_fit(config: Config, edge_length: float) -> Iterator[InputError]:
                 yield InputError(
                     f"{where}.polar",
                     f"a {kind} has no angles theta and phi",
-                    "polar on a vein or a sphere",
+                    "polar on a vein, a sphere, a torus or an atrium",
                     "{box: {x: [...], y: [...]}}",
                 )
     for number, stimulus in enumerate(config.stimulus):

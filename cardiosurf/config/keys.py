@@ -178,9 +178,8 @@ def _describe_list(items: tuple[Any, ...], metadata: tuple[Any, ...]) -> str:
     inner = describe(items[0])
     if inner == "a number" and len(items) == 2:
         return "a list of 2 numbers, [low, high]"
-    return (
-        f"a list of {len(items)} numbers" if inner == "a number" else f"[low, high], each {inner}"
-    )
+    names = "[low, high]" if len(items) == 2 else "[x, y, z]"
+    return f"a list of {len(items)} numbers" if inner == "a number" else f"{names}, each {inner}"
 
 
 def _limits(metadata: tuple[Any, ...]) -> str:

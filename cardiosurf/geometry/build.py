@@ -66,7 +66,7 @@ def build_surface(shape: Shape, edge_length: float, regions: Mapping[str, Region
     Parameters
     ----------
     shape : Shape
-        Plane, Vein, TDomain or Sphere.
+        One of ``SHAPES``.
     edge_length : float
         Usual length of the mesh edges, in su.
     regions : mapping of str to Region

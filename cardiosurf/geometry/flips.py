@@ -1,8 +1,12 @@
 """Delaunay triangles kept as such while vertices move and go, by flips (Lawson, 1977)."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from cardiosurf.arrays import Floats, Ints, Mask
+from cardiosurf.geometry.periodic import wrapped
+from cardiosurf.geometry.sheet import Periods
 from cardiosurf.geometry.topology import corners_in, twins
 
 _ROUNDS = 200
@@ -10,7 +14,28 @@ _ROUNDS = 200
 _TIE = 1e-12
 
 
-def updated(flat: Floats, triangles: Ints, moved: Mask, gone: Mask) -> Ints | None:
+@dataclass(frozen=True)
+class _Chart:
+    """Places in a chart, and after how much it repeats itself."""
+
+    flat: Floats
+    periods: Periods | None
+
+    def steps(self, start: Ints, end: Ints) -> Floats:
+        """Return the ways from vertices to others."""
+        return wrapped(self.flat[end] - self.flat[start], self.periods)
+
+    def turn(self, a: Ints, b: Ints, c: Ints) -> Floats:
+        """Return a number above 0 where a, b, c run counter-clockwise (seen from outside)."""
+        one, other = self.steps(a, b), self.steps(a, c)
+        if self.flat.shape[1] == 3:
+            return _volume(self.flat[a], one, other)
+        return _cross(one, other)
+
+
+def updated(
+    flat: Floats, triangles: Ints, moved: Mask, gone: Mask, *, periods: Periods | None = None
+) -> Ints | None:
     """Return the Delaunay triangles after vertices have moved and gone; None if it takes more.
 
     Parameters
@@ -21,29 +46,32 @@ def updated(flat: Floats, triangles: Ints, moved: Mask, gone: Mask) -> Ints | No
         Their Delaunay triangles before, counter-clockwise (outward on a sphere).
     moved, gone : (n,) bool
         Vertices that have moved, and those that no triangle is to have any more.
+    periods : pair of float or None, optional
+        After how much the chart repeats itself; triangles are far smaller than that.
     """
-    triangles, beside = _collapsed(flat, triangles, gone)
+    chart = _Chart(flat, periods)
+    triangles, beside = _collapsed(chart, triangles, gone)
     touched = moved | beside
     near = triangles[corners_in(touched, triangles) > 0]
-    if corners_in(gone, triangles).any() or not (_turn(flat, *near.T) > 0.0).all():
+    if corners_in(gone, triangles).any() or not (chart.turn(*near.T) > 0.0).all():
         return None
-    return _flipped(flat, triangles, touched)
+    return _flipped(chart, triangles, touched)
 
 
-def _collapsed(flat: Floats, triangles: Ints, gone: Mask) -> tuple[Ints, Mask]:
+def _collapsed(chart: _Chart, triangles: Ints, gone: Mask) -> tuple[Ints, Mask]:
     """Return the triangles, vertices that are gone drawn into a neighbour, and what is beside.
 
     A vertex that cannot be drawn into any of its neighbours without turning a triangle over stays.
     """
-    beside = np.zeros(len(flat), dtype=bool)
+    beside = np.zeros(len(chart.flat), dtype=bool)
     left = gone.copy()
     while corners_in(left, triangles).any():
         rows = np.flatnonzero(corners_in(left, triangles))
-        vertex, into = _drawn_into(flat, triangles[rows], left)
+        vertex, into = _drawn_into(chart, triangles[rows], left)
         if not len(vertex):
             break
         left[vertex] = False
-        target = np.arange(len(flat))
+        target = np.arange(len(chart.flat))
         target[vertex] = into
         beside[triangles[rows]] = True
         new = target[triangles[rows]]
@@ -54,7 +82,7 @@ def _collapsed(flat: Floats, triangles: Ints, gone: Mask) -> tuple[Ints, Mask]:
     return triangles, beside
 
 
-def _drawn_into(flat: Floats, triangles: Ints, gone: Mask) -> tuple[Ints, Ints]:
+def _drawn_into(chart: _Chart, triangles: Ints, gone: Mask) -> tuple[Ints, Ints]:
     """Return vertices that may go at the same time, and the neighbour that each is drawn into."""
     first = np.where(gone[triangles], triangles, len(gone)).min(axis=1)
     waits = np.zeros(len(gone) + 1, dtype=bool)
@@ -68,7 +96,7 @@ def _drawn_into(flat: Floats, triangles: Ints, gone: Mask) -> tuple[Ints, Ints]:
     of = np.repeat(np.arange(len(names)), count**2)
     place = np.arange(len(of)) - np.repeat(np.cumsum(count**2) - count**2, count**2)
     into, beyond = start[of] + place // count[of], start[of] + place % count[of]
-    turn = _turn(flat, a[into], a[beyond], b[beyond])
+    turn = chart.turn(a[into], a[beyond], b[beyond])
     turn[(a[into] == a[beyond]) | (a[into] == b[beyond])] = np.inf
     worst = np.minimum.reduceat(turn, np.flatnonzero(place % count[of] == 0))
     best = np.array([s + int(worst[s : s + c].argmax()) for s, c in zip(start, count, strict=True)])
@@ -76,7 +104,7 @@ def _drawn_into(flat: Floats, triangles: Ints, gone: Mask) -> tuple[Ints, Ints]:
     return names[good], a[best[good]]
 
 
-def _flipped(flat: Floats, triangles: Ints, touched: Mask) -> Ints | None:
+def _flipped(chart: _Chart, triangles: Ints, touched: Mask) -> Ints | None:
     """Return the triangles with all edges around touched vertices flipped that are not Delaunay.
 
     In each round those edges are flipped whose quadrilaterals have no triangle in common, nor are
@@ -88,7 +116,7 @@ def _flipped(flat: Floats, triangles: Ints, touched: Mask) -> Ints | None:
     # each edge once; an edge of which only the other triangle is near counts as well
     edges = half[(twin > half) & (np.repeat(near, 3) | near[twin // 3])]
     for _ in range(_ROUNDS):
-        edges = edges[_wrong(flat, corners, edges, twin[edges])]
+        edges = edges[_wrong(chart, corners, edges, twin[edges])]
         if not len(edges):
             return corners.reshape(-1, 3)
         rim = _rim(edges, twin)
@@ -135,25 +163,17 @@ def _flip(corners: Ints, twin: Ints, edges: Ints, rim: Ints) -> Ints:
     return new.ravel()
 
 
-def _wrong(flat: Floats, corners: Ints, edges: Ints, others: Ints) -> Mask:
+def _wrong(chart: _Chart, corners: Ints, edges: Ints, others: Ints) -> Mask:
     """Return at which half edges the vertex beyond lies in the circle of the triangle."""
-    a, b, c = (flat[corners[half]] for half in (edges, _next(edges), _next(_next(edges))))
-    beyond = flat[corners[others]]
-    a, b, c = a - beyond, b - beyond, c - beyond
+    beyond, around = corners[others], (edges, _next(edges), _next(_next(edges)))
+    a, b, c = (chart.steps(beyond, corners[half]) for half in around)
     squares = [np.einsum("kd,kd->k", one, one) for one in (a, b, c)]
-    if flat.shape[1] == 3:
+    if chart.flat.shape[1] == 3:
         # on a sphere: beyond the plane of the triangle
-        scale = float(np.abs(flat).max(initial=0.0)) * np.maximum.reduce(squares)
+        scale = float(np.abs(chart.flat).max(initial=0.0)) * np.maximum.reduce(squares)
         return np.asarray(_volume(a, b, c) < -_TIE * scale)
     inside = squares[0] * _cross(b, c) + squares[1] * _cross(c, a) + squares[2] * _cross(a, b)
     return np.asarray(inside > _TIE * np.maximum.reduce(squares) ** 2)
-
-
-def _turn(flat: Floats, a: Ints, b: Ints, c: Ints) -> Floats:
-    """Return a number above 0 where a, b, c run counter-clockwise (seen from outside)."""
-    if flat.shape[1] == 3:
-        return _volume(flat[a], flat[b] - flat[a], flat[c] - flat[a])
-    return _cross(flat[b] - flat[a], flat[c] - flat[a])
 
 
 def _cross(one: Floats, other: Floats) -> Floats:

@@ -6,6 +6,7 @@ from typing import Protocol, TypeAlias
 import numpy as np
 
 from cardiosurf.arrays import Floats
+from cardiosurf.geometry.profile import Profile
 
 Key: TypeAlias = tuple[str, tuple[float, ...]]
 
@@ -106,3 +107,44 @@ class ThetaLevel:
         slope[:, 0] = inward * scale
         slope[:, 1], slope[:, 2] = along_rho * points[:, 1], along_rho * points[:, 2]
         return slope
+
+
+@dataclass(frozen=True)
+class RingLevel:
+    """Level s - s_0 of a surface of revolution about the line x = axis_x, y = 0.
+
+    s is the arclength along the profile at the nearest point. On a closed profile of length P the
+    level is P / 2 pi sin(2 pi (s - s_0) / P), which is zero on the ring across as well.
+    """
+
+    profile: Profile
+    axis_x: float
+    s: float
+
+    @property
+    def key(self) -> Key:
+        """Arclength."""
+        return "ring", (float(np.round(self.s, 9) + 0.0),)
+
+    def value(self, points: Floats) -> Floats:
+        """Return the signed length along the profile, (n,)."""
+        past = self._nearest(points) - self.s
+        if not self.profile.closed:
+            return past
+        scale = self.profile.length / (2.0 * np.pi)
+        return np.asarray(scale * np.sin(past / scale))
+
+    def gradient(self, points: Floats) -> Floats:
+        """Return its gradient, (n, 3): on the surface, the tangent of the profile."""
+        s = self._nearest(points)
+        outward, upward = self.profile.tangent(s)
+        x, y = points[:, 0] - self.axis_x, points[:, 1]
+        rho = np.maximum(np.hypot(x, y), 1e-300)
+        slope = np.stack([outward * x / rho, outward * y / rho, upward], axis=1)
+        if self.profile.closed:
+            slope *= np.cos((s - self.s) * 2.0 * np.pi / self.profile.length)[:, None]
+        return slope
+
+    def _nearest(self, points: Floats) -> Floats:
+        x, y, z = points.T
+        return self.profile.nearest(np.hypot(x - self.axis_x, y), z)

@@ -112,11 +112,18 @@ def _within_angles(sheet: Sheet, points: Floats, part: Ints, limits: PolarLimits
     curved = np.array([axes == _ANGLES for axes in sheet.axes])
     inside = np.asarray((part >= 0) & curved[part])
     net = sheet.net(points, part)
+    # phi goes round on every shape, theta where the chart closes in its direction
+    round_tube = sheet.periods is not None and sheet.periods[0] is not None
     if limits.theta is not None:
-        low, high = limits.theta
-        inside = inside & (net[:, 0] >= low - _SLACK) & (net[:, 0] <= high + _SLACK)
+        inside &= _between(net[:, 0], limits.theta, closed=round_tube)
     if limits.phi is not None:
-        low, high = limits.phi
-        past = np.mod(net[:, 1] - low + _SLACK, 2.0 * np.pi)
-        inside = inside & (past <= high - low + 2.0 * _SLACK)
+        inside &= _between(net[:, 1], limits.phi, closed=True)
     return inside
+
+
+def _between(angle: Floats, limits: tuple[float, float], *, closed: bool) -> Mask:
+    low, high = limits
+    if closed:
+        past = np.mod(angle - low + _SLACK, 2.0 * np.pi)
+        return np.asarray(past <= high - low + 2.0 * _SLACK)
+    return np.asarray((angle >= low - _SLACK) & (angle <= high + _SLACK))

@@ -168,7 +168,7 @@ def _smoothed(draft: Draft, job: Job) -> Draft:
 def _moved_on(draft: Draft, view: View, points: Floats, gone: Mask, sheet: Sheet) -> Draft:
     """Return the draft with all vertices of a view in new places but those that are gone."""
     moved = (points != view.points).any(axis=1)
-    hull = updated(sheet.flattened(points), view.hull, moved, gone)
+    hull = updated(sheet.flattened(points), view.hull, moved, gone, periods=sheet.periods)
     if hull is not None:
         hull = (np.cumsum(~gone) - 1)[hull]
     fixed = len(view.front.points)

@@ -55,6 +55,7 @@ class PlaneSheet:
     parts = ("plane",)
     axes = (("x", "y"),)
     edge_names = ("left", "right", "bottom", "top")
+    periods = None
 
     @property
     def size(self) -> float:
@@ -81,7 +82,9 @@ class PlaneSheet:
 
     def polar_level(self, axis: str, angle: float) -> Level:
         """Raise InputError: a plane has no angles."""
-        raise InputError("region", f"{axis} = {angle} on a plane", "polar on vein or sphere")
+        raise InputError(
+            "region", f"{axis} = {angle} on a plane", "polar on vein, sphere, torus or atrium"
+        )
 
     def project(self, points: Floats) -> Floats:
         """Return the points with z = 0."""

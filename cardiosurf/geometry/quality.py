@@ -31,7 +31,7 @@ class Quality:
     crossed : int
         Edges with more than two triangles, or two that disagree on the orientation; 0 is right.
     euler : int
-        Vertices - edges + triangles: 2 for a sphere, 1 for a disc, 0 for a ring.
+        Vertices - edges + triangles: 2 for a sphere, 1 for a disc, 0 for a ring or a torus.
     loops : int
         Closed curves that the open edges make.
     area : float

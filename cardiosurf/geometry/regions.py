@@ -65,7 +65,7 @@ class HalfSpaceLimits(Section):
 
 @dataclass(frozen=True)
 class PolarLimits(Section):
-    """Ranges of the net angles theta and phi, in radians; phi may run past pi."""
+    """Ranges of the net angles theta and phi, in radians; phi may run past pi, theta on a torus."""
 
     theta: AngleRange | None = None
     phi: AngleRange | None = None
@@ -108,7 +108,7 @@ class PatchReference(Section):
 
 @dataclass(frozen=True)
 class Polar(Section):
-    """Ranges of theta and phi on a part that has them (vein, sphere)."""
+    """Ranges of theta and phi on a part that has them (vein, sphere, torus, body)."""
 
     polar: PolarLimits
 

@@ -1,7 +1,7 @@
 """What the mesher needs of a shape: the exact surface, a chart of it and its parts."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 import scipy
@@ -10,6 +10,9 @@ from cardiosurf.arrays import Floats, Ints
 from cardiosurf.geometry.levels import Level
 
 _GHOSTS = 8
+
+Periods: TypeAlias = tuple[float | None, float | None]
+"""After how much each coordinate of a chart repeats itself, None if it does not."""
 
 
 class Sheet(Protocol):
@@ -42,6 +45,11 @@ class Sheet(Protocol):
     @property
     def coarsest(self) -> float:
         """Longest edge that still shows the surface's shape, in su."""
+        ...
+
+    @property
+    def periods(self) -> Periods | None:
+        """Periods of the chart, None if it does not repeat itself."""
         ...
 
     def levels(self) -> tuple[Level, ...]:

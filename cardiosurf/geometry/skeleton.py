@@ -18,6 +18,7 @@ from cardiosurf.geometry.trace import Chain, Crossings, background, crossings, f
 
 _SAME = 0.005
 _BESIDE = 1e-6
+_THROUGH = 1e-5
 
 
 @dataclass(frozen=True)
@@ -51,10 +52,10 @@ def skeleton(sheet: Sheet, regions: Mapping[str, Region], edge_length: float) ->
     for number, level in enumerate(levels):
         found = follow(number, level, ground, sheet)
         chains += [c for c in found if not _follows_earlier(c, levels[:number], sheet, same)]
-    corners, sets = _clustered(crossings(chains, levels, ground, sheet), len(fixed), same)
-    pieces = [p for c in chains for p in _split(c, corners, sets, 0.3 * ground.spacing)]
+    corners, sets, pinched = _clustered(crossings(chains, levels, ground, sheet), len(fixed), same)
+    pieces = [p for c in chains for p in _split(c, corners, sets, pinched, 0.3 * ground.spacing)]
     pieces = [p for p in pieces if not (p.ends[0] == p.ends[1] >= 0 and p.length < 4.0 * same)]
-    pieces = _joined(_real(pieces, levels, sheet, regions), len(corners))
+    pieces = _joined(_real(pieces, levels, sheet, regions), len(corners), pinched)
     used = np.unique([end for p in pieces for end in p.ends if end >= 0]).astype(np.int64)
     renumbered = np.full(len(corners) + 1, -1)
     renumbered[used] = np.arange(len(used))
@@ -89,16 +90,19 @@ def _follows_earlier(chain: Chain, earlier: Sequence[Level], sheet: Sheet, same:
     return False
 
 
-def _clustered(found: Crossings, fixed: int, same: float) -> tuple[Floats, list[set[int]]]:
+def _clustered(
+    found: Crossings, fixed: int, same: float
+) -> tuple[Floats, list[set[int]], set[int]]:
     """Return one corner for all crossings within ``same``, and the levels that meet in it.
 
     The best-defined crossing stands for the others: levels of the shape before levels of regions,
-    steep crossings before tangential ones.
+    steep crossings before tangential ones. The third are the corners in which a level crosses
+    itself.
     """
     order = np.lexsort((-found.sine, -(found.pairs < fixed).sum(axis=1)))
     points, pairs = found.points[order], found.pairs[order]
     if not len(points):
-        return points, []
+        return points, [], set()
     near = scipy.spatial.cKDTree(points).query_ball_point(points, same)
     corner_of = np.full(len(points), -1)
     corners: list[int] = []
@@ -111,35 +115,57 @@ def _clustered(found: Crossings, fixed: int, same: float) -> tuple[Floats, list[
             mine = np.asarray(others)
             corner_of[mine[corner_of[mine] < 0]] = corner_of[number]
         sets[corner_of[number]].update(pairs[number].tolist())
-    return points[corners], sets
+    pinched = set(corner_of[pairs[:, 0] == pairs[:, 1]].tolist())
+    return points[corners], sets, pinched
 
 
-def _split(chain: Chain, corners: Floats, sets: list[set[int]], reach: float) -> list[Piece]:
+def _split(
+    chain: Chain, corners: Floats, sets: list[set[int]], pinched: set[int], reach: float
+) -> list[Piece]:
     """Return the chain's pieces between corners; what hangs over at open ends is dropped."""
-    mine = np.array([i for i, levels in enumerate(sets) if chain.level in levels], dtype=np.int64)
-    start, step = chain.points[:-1], np.diff(chain.points, axis=0)
-    length = np.linalg.norm(step, axis=1)
+    mine = [i for i, levels in enumerate(sets) if chain.level in levels]
+    length = np.linalg.norm(np.diff(chain.points, axis=0), axis=1)
     past = np.concatenate([[0.0], np.cumsum(length)])
-    away = corners[mine][:, None] - start[None]
-    share = np.einsum("csk,sk->cs", away, step) / np.maximum(length**2, 1e-300)
-    share = np.clip(share, 0.0, 1.0)
-    distance = np.linalg.norm(away - share[:, :, None] * step[None], axis=2)
-    if len(mine):
-        mine_close = distance.min(axis=1) < reach
-        best = distance.argmin(axis=1)[mine_close]
-        place = past[best] + share[mine_close, best] * length[best]
-        mine = mine[mine_close]
-        order = np.argsort(place, kind="stable")
-        mine, place = mine[order], place[order]
-    if not len(mine):
+    crossed = [i for i in mine if i in pinched]
+    stops = _passed(chain, past, corners, np.array(sorted({*mine} - {*crossed}), dtype=int), reach)
+    for corner in crossed:
+        stops += _passed_often(chain, past, corner, corners[corner], reach)
+    stops.sort(key=lambda stop: stop[1])
+    if not stops:
         whole = (Piece(chain.level, chain.points, (-1, -1)),)
         return list(whole) if chain.closed else []
-    stops = list(zip(mine.tolist(), place.tolist(), strict=True))
     pieces = [_between(chain, past, corners, one, other) for one, other in pairwise(stops)]
     if chain.closed:
         first = (stops[0][0], stops[0][1] + past[-1])
         pieces.append(_between(chain, past, corners, stops[-1], first))
     return [piece for piece in pieces if piece.length > 0.0]
+
+
+def _passed(
+    chain: Chain, past: Floats, corners: Floats, mine: Ints, reach: float
+) -> list[tuple[int, float]]:
+    """Return the corners among ``mine`` near the chain, and after which length each comes."""
+    if not len(mine):
+        return []
+    start, step = chain.points[:-1], np.diff(chain.points, axis=0)
+    length = np.linalg.norm(step, axis=1)
+    away = corners[mine][:, None] - start[None]
+    share = np.einsum("csk,sk->cs", away, step) / np.maximum(length**2, 1e-300)
+    share = np.clip(share, 0.0, 1.0)
+    distance = np.linalg.norm(away - share[:, :, None] * step[None], axis=2)
+    close = np.flatnonzero(distance.min(axis=1) < reach)
+    best = distance.argmin(axis=1)[close]
+    place = past[best] + share[close, best] * length[best]
+    return list(zip(mine[close].tolist(), place.tolist(), strict=True))
+
+
+def _passed_often(
+    chain: Chain, past: Floats, corner: int, at: Floats, reach: float
+) -> list[tuple[int, float]]:
+    """Return every passage of the chain through a corner in which its level crosses itself."""
+    points = chain.points[:-1] if chain.closed else chain.points
+    through = np.flatnonzero(np.linalg.norm(points - at, axis=1) < _THROUGH * reach)
+    return [(corner, float(past[one])) for one in through]
 
 
 def _between(
@@ -188,8 +214,11 @@ def _signature(points: Floats, sheet: Sheet, regions: Mapping[str, Region]) -> I
     return np.stack([part, *(one.astype(np.int64) for one in inside)], axis=1)
 
 
-def _joined(pieces: list[Piece], corners: int) -> list[Piece]:
-    """Return the pieces, those joined that run on into each other where nothing else ends."""
+def _joined(pieces: list[Piece], corners: int, pinched: set[int]) -> list[Piece]:
+    """Return the pieces, those joined that run on into each other where nothing else ends.
+
+    Where a level crosses itself two pieces of it may make an angle, and stay apart.
+    """
     done = False
     while not done:
         done = True
@@ -201,7 +230,7 @@ def _joined(pieces: list[Piece], corners: int) -> list[Piece]:
         gone: set[int] = set()
         new: list[Piece] = []
         for corner, here in enumerate(meet):
-            if len(here) != 2 or gone & set(here):
+            if len(here) != 2 or gone & set(here) or corner in pinched:
                 continue
             one, other = pieces[here[0]], pieces[here[1]]
             if one.level != other.level or one.soft != other.soft:

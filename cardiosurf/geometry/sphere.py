@@ -1,6 +1,7 @@
 """The sphere."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -9,26 +10,37 @@ import scipy
 from cardiosurf.arrays import Floats, Ints
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.levels import FlatLevel, Level
+from cardiosurf.geometry.regions import Direction
 from cardiosurf.geometry.topology import area_vectors
-from cardiosurf.sections import Positive, Section
+from cardiosurf.sections import SMALLEST, Positive, Section
 
 _FEWEST = 4
+_ON_AXIS = 1e-6
 
 
 @dataclass(frozen=True)
 class Sphere(Section):
     """The sphere of the given radius about the origin, in su.
 
-    Its net is (theta, phi): theta the polar angle from +z, phi = atan2(y, x). No open edges.
+    Its net is (theta, phi): theta the polar angle from the pole, phi the azimuth about it,
+    right-handed. phi = 0 is the meridian on the side of +x; with the pole on the x axis, where
+    that says nothing, on the side of +y. No open edges.
+
+    With the unit pole p, a = x - (x . p) p made a unit vector, b = p x a, points have
+    cos theta = p . n and phi = atan2(b . n, a . n), n = point / radius: with the usual pole +z,
+    phi = atan2(y, x).
     """
 
     kind: Literal["sphere"] = "sphere"
     radius: Positive = 50.0
+    pole: Direction = (0.0, 0.0, 1.0)
 
     def check(self) -> None:
-        """Raise InputError if the radius is not positive."""
+        """Raise InputError if the radius is not positive or the pole has no direction."""
         if not self.radius > 0:
             raise InputError("geometry.radius", f"{self.radius} is not positive", "above 0")
+        if max(map(abs, self.pole)) < SMALLEST:
+            raise InputError("geometry.pole", f"{list(self.pole)}", "any direction", "[0, 0, 1]")
 
     def extents(self) -> dict[str, float]:
         """Return the radius, in su."""
@@ -37,18 +49,29 @@ class Sphere(Section):
     def sheet(self, edge_length: float) -> "SphereSheet":
         """Return the exact surface (the same for every edge length)."""
         self.check()
-        return SphereSheet(self.radius)
+        return SphereSheet(self.radius, self.pole)
 
 
 @dataclass(frozen=True)
 class SphereSheet:
-    """The exact surface of a sphere about the origin."""
+    """The exact surface of a sphere about the origin, theta measured from a pole."""
 
     radius: float
+    pole: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
     parts = ("sphere",)
     axes = (("theta", "phi"),)
     edge_names = ()
+    periods = None
+
+    @cached_property
+    def _basis(self) -> Floats:
+        """The directions of phi = 0 and phi = pi/2 on the equator, and the pole, (3, 3)."""
+        pole = np.array(self.pole) / np.linalg.norm(self.pole)
+        towards = np.eye(3)[1 if np.hypot(pole[1], pole[2]) < _ON_AXIS else 0]
+        first = towards - (towards @ pole) * pole
+        first /= np.linalg.norm(first)
+        return np.stack([first, np.cross(pole, first), pole])
 
     @property
     def size(self) -> float:
@@ -70,9 +93,10 @@ class SphereSheet:
 
     def polar_level(self, axis: str, angle: float) -> Level:
         """Return the plane through the circle theta = angle, or through the meridian phi."""
+        first, second, pole = self._basis
         if axis == "theta":
-            return FlatLevel((0.0, 0.0, 1.0), float(self.radius * np.cos(angle)))
-        return FlatLevel((float(-np.sin(angle)), float(np.cos(angle)), 0.0), 0.0)
+            return FlatLevel(_triple(pole), float(self.radius * np.cos(angle)))
+        return FlatLevel(_triple(np.cos(angle) * second - np.sin(angle) * first), 0.0)
 
     def project(self, points: Floats) -> Floats:
         """Return the points moved along their radii."""
@@ -88,7 +112,7 @@ class SphereSheet:
 
     def net(self, points: Floats, part: Ints) -> Floats:
         """Return theta in [0, pi] and phi in (-pi, pi]."""
-        x, y, z = points.T
+        x, y, z = (points @ axis for axis in self._basis)
         return np.stack([np.arctan2(np.hypot(x, y), z), np.arctan2(y, x)], axis=1)
 
     def frame(self, points: Floats, part: Ints) -> Floats:
@@ -97,7 +121,7 @@ class SphereSheet:
         st, ct, sp, cp = np.sin(theta), np.cos(theta), np.sin(phi), np.cos(phi)
         along_theta = np.stack([ct * cp, ct * sp, -st], axis=1)
         along_phi = np.stack([-sp, cp, np.zeros_like(sp)], axis=1)
-        return np.stack([along_theta, along_phi], axis=1)
+        return np.stack([along_theta, along_phi], axis=1) @ self._basis
 
     def edge_of(self, points: Floats) -> Ints:
         """Return -1: there is no open edge."""
@@ -135,6 +159,11 @@ class SphereSheet:
     def centres(self, points: Floats, triangles: Ints) -> Floats:
         """Return the centroids moved along their radii."""
         return self.project(points[triangles].mean(axis=1))
+
+
+def _triple(vector: Floats) -> tuple[float, float, float]:
+    x, y, z = vector.tolist()
+    return x, y, z
 
 
 def _icosahedron() -> Floats:

@@ -95,6 +95,7 @@ class TDomainSheet:
     parts = ("vein", "right_rectangle", "left_rectangle")
     axes = (("theta", "phi"), ("y", "z"), ("y", "z"))
     edge_names = ("right", "left", "bottom", "top", "tip", "inner")
+    periods = None
 
     @property
     def size(self) -> float:

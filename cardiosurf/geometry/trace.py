@@ -1,14 +1,15 @@
 """The curves on the surface where levels are zero, and the points where two of them cross."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
 
-from cardiosurf.arrays import Floats, Ints
+from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.geometry.levels import Level
 from cardiosurf.geometry.locate import onto_crossing, onto_level
+from cardiosurf.geometry.pinches import ON_LEVEL, saddles
 from cardiosurf.geometry.sheet import Sheet
 from cardiosurf.geometry.topology import edge_vectors, numbered_edges
 
@@ -28,6 +29,8 @@ class Background:
         Triangles, edges, and the edges of each triangle.
     spacing : float
         Usual edge length, in su.
+    pinches : tuple of (k, 3) float
+        Where the curve of each level crosses itself; these are vertices.
     """
 
     points: Floats
@@ -35,6 +38,7 @@ class Background:
     edges: Ints
     edges_of: Ints
     spacing: float
+    pinches: tuple[Floats, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -48,7 +52,10 @@ class Chain:
 
 @dataclass(frozen=True)
 class Crossings:
-    """Points (c, 3) where levels cross, the sine of the angle and the two levels (c, 2)."""
+    """Points (c, 3) where levels cross, the sine of the angle and the two levels (c, 2).
+
+    Where a level crosses itself both are the same, and the sine counts as 1.
+    """
 
     points: Floats
     sine: Floats
@@ -61,12 +68,16 @@ def background(sheet: Sheet, levels: Sequence[Level]) -> Background:
     points = sheet.seeds(spacing)
     found = _triangulated(sheet, points, spacing)
     hidden = [_hidden(level, found, sheet) for level in levels]
-    centres = np.concatenate([np.empty((0, 3)), *hidden])
+    bent = [saddles(level, found.points, found.edges, sheet, spacing) for level in levels]
+    pairs = zip(levels, bent, strict=True)
+    pinches = tuple(points[np.abs(level.value(points)) < ON_LEVEL] for level, points in pairs)
+    centres = np.concatenate([np.empty((0, 3)), *bent, *hidden])
     if not len(centres):
-        return found
+        return replace(found, pinches=pinches)
     rings = _rings(centres, sheet, spacing)
     apart = scipy.spatial.cKDTree(points).query(rings)[0] > 1e-3 * spacing * 2.0**-14
-    return _triangulated(sheet, np.concatenate([points, rings[apart]]), spacing)
+    found = _triangulated(sheet, np.concatenate([points, rings[apart]]), spacing)
+    return replace(found, pinches=pinches)
 
 
 def follow(number: int, level: Level, ground: Background, sheet: Sheet) -> list[Chain]:
@@ -105,8 +116,37 @@ def crossings(
     start, pair = sheet.project(np.concatenate(starts)), np.concatenate(pairs)
     found, residual, sine = onto_crossing(start, pair, levels, sheet, ground.spacing)
     near_by = np.linalg.norm(found - start, axis=1) < 3.0 * ground.spacing
-    good = near_by & (residual < 1e-8)
-    return Crossings(found[good], sine[good], pair[good])
+    good = near_by & (residual < 1e-8) & ~_pinched(found, pair, ground)
+    places, own = _pinches(levels, ground)
+    return Crossings(
+        np.concatenate([found[good], places]),
+        np.concatenate([sine[good], np.ones(len(places))]),
+        np.concatenate([pair[good], own]),
+    )
+
+
+def _pinches(levels: Sequence[Level], ground: Background) -> tuple[Floats, Ints]:
+    """Return where levels cross themselves (k, 3), paired (k, 2) with all that pass there."""
+    through = [
+        (place, (number, other))
+        for number, places in enumerate(ground.pinches)
+        for place in places
+        for other, level in enumerate(levels)
+        if other == number or abs(level.value(place[None])[0]) < ON_LEVEL
+    ]
+    spots = np.array([place for place, _ in through], dtype=np.float64).reshape(-1, 3)
+    return spots, np.array([pair for _, pair in through], dtype=np.int64).reshape(-1, 2)
+
+
+def _pinched(points: Floats, pairs: Ints, ground: Background) -> Mask:
+    """Return which crossings are where one of their levels crosses itself: Newton is lost there."""
+    lost = np.zeros(len(points), dtype=bool)
+    for number, places in enumerate(ground.pinches):
+        mine = np.flatnonzero((pairs == number).any(axis=1))
+        for place in places:
+            away = np.linalg.norm(points[mine] - place, axis=1)
+            lost[mine[away < 1e-3 * ground.spacing]] = True
+    return lost
 
 
 def _triangulated(sheet: Sheet, points: Floats, spacing: float) -> Background:

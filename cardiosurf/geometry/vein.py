@@ -74,6 +74,7 @@ class VeinSheet:
     parts = ("square", "vein")
     axes = (("y", "z"), ("theta", "phi"))
     edge_names = ("right", "left", "bottom", "top", "tip")
+    periods = None
 
     @property
     def size(self) -> float:

@@ -23,6 +23,9 @@ def viewpoints(surface: Surface) -> tuple[tuple[float, float], ...]:
         return ()
     if surface.parts == ("sphere",):
         return ((22.0, 25.0), (22.0, 205.0))
+    if surface.parts in (("torus",), ("vein", "body")):
+        # the stimulated side and the one across the hole or behind the vein
+        return ((40.0, 25.0), (40.0, 205.0))
     return ((25.0, 40.0),)
 
 

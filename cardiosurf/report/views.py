@@ -1,14 +1,17 @@
-"""Flat views of a surface: projections that overlap nothing, and maps that unroll a vein or sphere.
+"""Flat views of a surface: projections that overlap nothing, and maps that unroll it.
 
 A view has vertices of its own: along the cut of an unrolled map triangles appear on both sides.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.geometry.surface import Surface
+from cardiosurf.report.angles import revolved_angles, sphere_angles
+
+_ATRIUM = ("vein", "body")
 
 
 @dataclass(frozen=True)
@@ -46,17 +49,23 @@ class View:
 
 
 def has_vein(surface: Surface) -> bool:
-    """Return whether the surface has a vein that can be unrolled."""
-    return "vein" in surface.parts
+    """Return whether the surface has a vein that needs a map of its own.
+
+    The atrium's vein is seen in the map of the whole atrium.
+    """
+    return "vein" in surface.parts and surface.parts != _ATRIUM
 
 
 def flat_views(surface: Surface) -> tuple[View, ...]:
     """Return the flat views in which the whole surface is seen.
 
-    Planes are seen from above, vein and T-domain along the vein's axis x, a sphere is unrolled.
+    Planes are seen from above, vein and T-domain along the vein's axis x; sphere, torus and atrium
+    are unrolled.
     """
     if surface.parts == ("sphere",):
         return (unrolled_sphere(surface),)
+    if surface.parts in (("torus",), _ATRIUM):
+        return (unrolled_revolved(surface),)
     solid = bool(np.ptp(surface.points[:, 2]) > 0)
     # the vein narrows all the way from its root to its tip, so that from +x nothing hides anything
     across = (1, 2) if solid else (0, 1)
@@ -96,17 +105,41 @@ def unrolled_vein(surface: Surface) -> View:
 def unrolled_sphere(surface: Surface) -> View:
     """Return the sphere unrolled: azimuth phi to the right, polar angle theta downward."""
     inside = np.arange(len(surface.triangles))
-    nodes = surface.points[surface.triangles]
-    x, y, z = np.moveaxis(nodes, 2, 0)
-    theta = np.arccos(np.clip(z / np.linalg.norm(nodes, axis=2), -1.0, 1.0))
-    middle = nodes.mean(axis=1)
-    centre = np.arctan2(middle[:, 1], middle[:, 0])
-    phi = _unwrapped(np.arctan2(y, x), centre)
-    # phi means nothing at a pole: each triangle has the pole right above or below itself
-    pole = np.hypot(x, y) < 1e-9 * np.abs(nodes).max()
-    phi = np.where(pole, np.degrees(centre)[:, None], phi)
-    axes = ("phi [deg]", "theta [deg]")
-    return _unrolled(surface, inside, (phi, np.degrees(theta)), "sphere unrolled", axes)
+    theta, phi = sphere_angles(surface)
+    corners = _unwrapped(phi, surface.net[:, 1]), np.degrees(theta)
+    return _unrolled(surface, inside, corners, "sphere unrolled", ("phi [deg]", "theta [deg]"))
+
+
+def unrolled_revolved(surface: Surface) -> View:
+    """Return a torus or an atrium unrolled: azimuth phi to the right, theta downward."""
+    inside = np.arange(len(surface.triangles))
+    theta, phi = revolved_angles(surface)
+    corners = _unwrapped(phi, surface.net[:, 1]), np.degrees(theta)
+    title = "torus unrolled" if surface.parts == ("torus",) else "atrium unrolled"
+    view = _unrolled(surface, inside, corners, title, ("phi [deg]", "theta [deg]"))
+    return view if surface.edges else _repeated_upward(view)
+
+
+def _repeated_upward(view: View) -> View:
+    """Return the view of a surface that theta goes round, both ends of it drawn across the cut."""
+    height = view.points[view.triangles, 1]
+    rows = [np.flatnonzero(out.any(axis=1)) for out in (height > 180.0, height < -180.0)]
+    points, triangles, vertices = [view.points], [view.triangles], [view.vertex_of]
+    start = len(view.points)
+    for row, shift in zip(rows, (-360.0, 360.0), strict=True):
+        used, local = np.unique(view.triangles[row], return_inverse=True)
+        points.append(view.points[used] + [0.0, shift])
+        triangles.append(start + local.reshape(-1, 3))
+        vertices.append(view.vertex_of[used])
+        start += len(used)
+    return replace(
+        view,
+        points=np.concatenate(points),
+        triangles=np.concatenate(triangles),
+        vertex_of=np.concatenate(vertices),
+        triangle_of=np.concatenate([view.triangle_of, *(view.triangle_of[row] for row in rows)]),
+        limits=np.array([[-180.0, 180.0], [-180.0, 180.0]]),
+    )
 
 
 def _unwrapped(angles: Floats, middle: Floats) -> Floats:
@@ -132,10 +165,11 @@ def _unrolled(
     shift = np.repeat([0.0, -360.0, 360.0], [len(phi), len(right), len(left)])
     across = (phi[again] + shift[:, None]).ravel()
     vertices = surface.triangles[inside[again]].ravel()
-    # a vertex of the mesh is one of the view's for every phi that it is drawn at
-    keys = np.column_stack((vertices, np.round(across * 1e6)))
+    # a vertex of the mesh is one of the view's for every place that it is drawn at
+    height = upward[again].ravel()
+    keys = np.column_stack((vertices, np.round(across * 1e6), np.round(height * 1e3)))
     _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    points = np.column_stack((across, upward[again].ravel()))[first]
+    points = np.column_stack((across, height))[first]
     return View(
         title=title,
         labels=labels,

@@ -39,7 +39,7 @@ def surface_of(shape: AnyShape, edge_length: float, regions: Mapping[str, Region
     Parameters
     ----------
     shape : AnyShape
-        Plane, Vein, TDomain or Sphere.
+        One of ``SHAPES``.
     edge_length : float
         Usual length of the mesh edges, in su.
     regions : mapping of str to Region

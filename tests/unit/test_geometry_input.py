@@ -4,6 +4,7 @@ import pytest
 
 from cardiosurf.errors import InputError
 from cardiosurf.geometry import AnyShape, Plane, Sphere, TDomain, Vein, build_surface
+from cardiosurf.geometry.atrium import Atrium
 from cardiosurf.geometry.regions import (
     All,
     AnyOf,
@@ -20,6 +21,7 @@ from cardiosurf.geometry.regions import (
     PolarLimits,
     Region,
 )
+from cardiosurf.geometry.torus import Torus
 
 
 def refused(shape: AnyShape, region: Region | None = None, edge: float = 10.0) -> InputError:
@@ -77,6 +79,16 @@ def test_regions_that_mean_nothing(region: Region, where: str) -> None:
         (TDomain(length=60.0), "geometry.root_radius"),
         (TDomain(right_half_width=70.0), "geometry.root_radius"),
         (TDomain(left_half_width=160.0), "geometry.left_half_width"),
+        (Sphere(pole=(0.0, 0.0, 0.0)), "geometry.pole"),
+        (Torus(tube_radius=100.0), "geometry.tube_radius"),
+        (Torus(tube_radius=97.0), "geometry.tube_radius"),
+        (Torus(tube_radius=9.0), "geometry.tube_radius"),
+        (Torus(tube_radius=94.0), "geometry.ring_radius"),
+        (Atrium(tip_radius=100.0), "geometry.tip_radius"),
+        (Atrium(root_radius=115.0), "geometry.ring_radius"),
+        (Atrium(bottom_angle=0.5), "geometry.bottom_angle"),
+        (Atrium(bottom_angle=4.6), "geometry.bottom_angle"),
+        (Atrium(bottom_angle=6.0), "geometry.bottom_angle"),
     ],
 )
 def test_shapes_that_contradict_themselves(shape: AnyShape, where: str) -> None:

@@ -3,20 +3,25 @@ import pytest
 from recording_samples import square_surface
 
 from cardiosurf.geometry import build_surface
+from cardiosurf.geometry.atrium import Atrium
 from cardiosurf.geometry.sphere import Sphere
 from cardiosurf.geometry.t_domain import TDomain
+from cardiosurf.geometry.torus import Torus
 from cardiosurf.report.layers import isochrone_levels, roomiest_spot
 from cardiosurf.report.views import (
     flat_views,
     has_vein,
     outlines,
     seen,
+    unrolled_revolved,
     unrolled_sphere,
     unrolled_vein,
 )
 
 T_DOMAIN = build_surface(TDomain(), 8.0, {})
 SPHERE = build_surface(Sphere(), 8.0, {})
+TORUS = build_surface(Torus(), 8.0, {})
+ATRIUM = build_surface(Atrium(), 8.0, {})
 
 
 def signed_area(points):
@@ -80,6 +85,45 @@ def test_unrolled_sphere_puts_every_vertex_at_its_angles():
         (np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta))
     )
     assert SPHERE.points[view.vertex_of] == pytest.approx(expected, abs=1e-5)
+
+
+def test_unrolled_sphere_follows_its_pole():
+    shape = Sphere(pole=(1.0, 2.0, -1.0))
+    view = unrolled_sphere(build_surface(shape, 8.0, {}))
+    pole, first = np.array([1.0, 2.0, -1.0]) / np.sqrt(6.0), np.array([5.0, -2.0, 1.0])
+    first = first / np.linalg.norm(first)
+    points = build_surface(shape, 8.0, {}).points[view.vertex_of] / 50.0
+    phi, theta = np.radians(view.points).T
+    assert np.cos(theta) == pytest.approx(points @ pole, abs=1e-9)
+    assert np.sin(theta) * np.cos(phi) == pytest.approx(points @ first, abs=1e-9)
+    assert np.sin(theta) * np.sin(phi) == pytest.approx(points @ np.cross(pole, first), abs=1e-9)
+
+
+def test_unrolled_torus_and_atrium_put_every_vertex_at_its_angles():
+    for surface, shape, axis in ((TORUS, Torus(), 0.0), (ATRIUM, Atrium(), -20.0)):
+        view = unrolled_revolved(surface)
+        points = surface.points[view.vertex_of]
+        exact = shape.sheet(8.0).net(points, np.zeros(len(points), dtype=int))
+        phi = np.arctan2(points[:, 1], points[:, 0] - axis)
+        off = np.radians(view.points) - np.stack([phi, exact[:, 0]], axis=1)
+        off -= 2 * np.pi * np.round(off / (2 * np.pi))
+        # theta is carried from the triangles' middles to their corners: h^2 / r^2 / 24 = 1e-3
+        assert np.abs(off[:, 0]).max() < 1e-9
+        assert np.abs(off[:, 1]).max() < 4e-3
+
+
+def test_the_map_of_a_torus_is_closed_both_ways():
+    view = unrolled_revolved(TORUS)
+    assert turned_over(view) == 0
+    assert view.limits.tolist() == [[-180.0, 180.0], [-180.0, 180.0]]
+    middles = view.points[view.triangles].mean(axis=1)
+    once = ((middles >= -180.0) & (middles < 180.0)).all(axis=1)
+    assert np.array_equal(np.sort(view.triangle_of[once]), np.arange(len(TORUS.triangles)))
+    area = sum(abs(signed_area(view.points[one])) for one in view.triangles[once])
+    # what is drawn inside once tiles a rectangle of 360 by 360 degrees
+    assert area == pytest.approx(360.0**2, rel=1e-9)
+    assert not has_vein(ATRIUM)
+    assert len(flat_views(ATRIUM)) == 1
 
 
 def test_outlines_enclose_exactly_the_region_with_its_holes():
