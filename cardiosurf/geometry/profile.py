@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cardiosurf.arrays import Floats
+from cardiosurf.arrays import Floats, Ints
 
 _SAMPLES = 4096
 
@@ -66,11 +66,19 @@ class Profile:
         heading = self._placed(s)[:, 3]
         return np.cos(heading), np.sin(heading)
 
-    def _placed(self, s: Floats) -> Floats:
+    def curvature(self, s: Floats) -> Floats:
+        """Return the curvature (n,) at the arclengths (n,), in 1/su; it jumps between bows."""
+        return np.asarray(np.array([bow[0] for bow in self.bows])[self._bow_at(s)[1]])
+
+    def _bow_at(self, s: Floats) -> tuple[Floats, Ints]:
+        """Return the arclengths within the curve's period and the bows they lie on, each (n,)."""
         s = np.asarray(s, dtype=np.float64)
         if self.closed:
             s = self.limits[0] + np.mod(s - self.limits[0], self.length)
-        which = np.clip(np.searchsorted(self._knots[1:-1, 0], s), 0, len(self.bows) - 1)
+        return s, np.clip(np.searchsorted(self._knots[1:-1, 0], s), 0, len(self.bows) - 1)
+
+    def _placed(self, s: Floats) -> Floats:
+        s, which = self._bow_at(s)
         placed = np.empty((len(s), 4))
         for number, (curvature, _) in enumerate(self.bows):
             mine = which == number
