@@ -1,5 +1,7 @@
 """Sympy expressions in two coordinates as jets: derivatives taken symbolically."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import sympy as sp
 
@@ -23,3 +25,17 @@ def jet_of(expression, places) -> Jet:
         np.stack([evaluated(one, places) for one in first]),
         np.stack([evaluated(one, places) for one in second]),
     )
+
+
+@dataclass(frozen=True)
+class SymbolicNet:
+    """An orthogonal net of which only the metric is given, in x and y."""
+
+    first: sp.Expr
+    second: sp.Expr
+
+    def metric(self, net):
+        return jet_of(self.first, net), jet_of(self.second, net)
+
+    def curvatures(self, net):
+        raise NotImplementedError

@@ -1,11 +1,9 @@
 """Nets against the paper: Appendix E, Lemma D and where they hold."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 import sympy as sp
-from symbolic_jets import X, Y, evaluated, jet_of
+from symbolic_jets import SymbolicNet, X, Y, evaluated, jet_of
 
 from cardiosurf.geometry.nets import (
     FlatNet,
@@ -21,20 +19,6 @@ from cardiosurf.geometry.torus import Torus
 
 ARC, TIP = 70, 35
 PLACES = np.array([[0.0, 0.3], [0.4, -2.0], [np.pi / 4, 1.0], [1.2, 2.5], [np.pi / 2, 0.0]])
-
-
-@dataclass(frozen=True)
-class SymbolicNet:
-    """An orthogonal net of which only the metric is given, in x and y."""
-
-    first: sp.Expr
-    second: sp.Expr
-
-    def metric(self, net):
-        return jet_of(self.first, net), jet_of(self.second, net)
-
-    def curvatures(self, net):
-        raise NotImplementedError
 
 
 def vein_symbols():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from symbolic_acceleration import derived, zero
-from symbolic_jets import X, Y, evaluated, jet_of
+from symbolic_jets import SymbolicNet, X, Y, evaluated, jet_of
 
 from cardiosurf.analysis.relative_acceleration import (
     Front,
@@ -304,8 +304,6 @@ def test_ricci_type_and_gravitational_tensor(name, k):
 
 def test_the_ricci_type_tensor_of_a_net_without_symmetry():
     # g_11 = exp(x y), g_22 = 1 + x^2 y^2: not of revolution, so S_kk is not zero
-    from test_geometry_nets import SymbolicNet
-
     metric = sp.exp(X * Y), 1 + X**2 * Y**2
     root = sp.sqrt(metric[0] * metric[1])
     for k, m, axes in ((0, 1, (X, Y)), (1, 0, (Y, X))):
