@@ -6,7 +6,7 @@ PEERS  := .venv-peers
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help install run sweep verdicts test test-slow bench roofline check format clean
+.PHONY: help install run sweep verdicts test test-slow bench roofline figures check format clean
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -56,6 +56,9 @@ $(PEERS)/.installed: benchmarks/peers/requirements.txt
 	test -x $(PEERS)/bin/python || $(PYTHON) -m venv $(PEERS)
 	$(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check --requirement $<
 	touch $@
+
+figures: $(STAMP)  ## draw the paper's theoretical figures again (docs/images)
+	$(BIN)/python -m cardiosurf.report.theory_figures docs/images
 
 check: $(STAMP)  ## ruff, mypy --strict, import-linter
 	$(BIN)/ruff check .
