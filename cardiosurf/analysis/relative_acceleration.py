@@ -209,8 +209,8 @@ def gravitational(net: Net, places: Floats, factor: Jet, k: int) -> Floats:
 
     Notes
     -----
-    The printed eq. tensordef2 (``gravitational_as_printed``) has slips: with it neither
-    eq. relaccsphere nor eq. relacctorus2 comes out, with this one both do.
+    The printed eq. tensordef2 (``gravitational_as_printed``) has slips: the paper's own eq.
+    relaccsphere comes out with this one, not with that.
     """
     metric, m = net.metric(places), 1 - k
     inverse, whole, s = -log(metric[k]), log(metric[0] * metric[1]), log(factor)

@@ -19,8 +19,9 @@ from cardiosurf.analysis.relative_acceleration import (
     relative_acceleration,
     ricci_type,
 )
+from cardiosurf.analysis.smoothed_patches import SmoothedPatch, smoothed_factors
 from cardiosurf.geometry.jets import constant
-from cardiosurf.geometry.nets import FlatNet, nets_of, vein_net
+from cardiosurf.geometry.nets import FlatNet, gaussian_curvature, nets_of, vein_net
 from cardiosurf.geometry.sphere import Sphere
 from cardiosurf.geometry.torus import Torus
 
@@ -328,8 +329,44 @@ def test_tensordef2_as_printed_does_not_give_the_papers_own_sphere():
     np.testing.assert_allclose(
         gravitational_as_printed(net, PLACES, factor, 0), mixed + bracket * slope, rtol=1e-10
     )
-    # on the plane, and only there, it makes no difference
+    # on the plane, and along phi on surfaces of revolution, it makes no difference
+    np.testing.assert_allclose(
+        gravitational(net, PLACES, factor, 1),
+        gravitational_as_printed(net, PLACES, factor, 1),
+        rtol=1e-12,
+    )
     flat = FlatNet()
     np.testing.assert_array_equal(
         gravitational(flat, PLACES, factor, 0), gravitational_as_printed(flat, PLACES, factor, 0)
     )
+
+
+def test_the_equation_does_not_see_the_curvature_of_a_sphere():
+    # from the pole: trajectories are geodesics, -n'' = K n with K = 1/R^2; both terms kept are 0
+    (net,) = nets_of(Sphere(radius=RADIUS)).values()
+    ones = constant(1.0, len(PLACES)), constant(1.0, len(PLACES))
+    wave = front(net, PLACES, 0.0)
+    numbers = relative_acceleration(net, PLACES, diffusivity(net, PLACES, ones), wave)
+    np.testing.assert_allclose(numbers.of_velocity, 0.0, atol=1e-18)
+    np.testing.assert_allclose(numbers.of_change, 0.0, atol=1e-18)
+    np.testing.assert_allclose(gaussian_curvature(net, PLACES), RADIUS**-2.0, rtol=1e-12)
+    # the front's own curvature is in the term that the paper drops
+    cotangent = 1 / np.tan(PLACES[:, 0])
+    np.testing.assert_allclose(numbers.of_spread, cotangent / RADIUS, rtol=1e-12)
+
+
+def test_the_face_of_a_block_is_in_the_dropped_term_only():
+    # a plane wave in -x on the block of problem 1, across its face x = 50 at y = 0
+    x = np.linspace(40.0, 60.0, 2001)
+    places = np.stack([x, np.zeros_like(x)], axis=1)
+    net, width, anisotropy = FlatNet(), 12.0, 10.0
+    block = SmoothedPatch((-50.0, 50.0), (-50.0, 50.0), (anisotropy, 1.0), width)
+    tensor = diffusivity(net, places, smoothed_factors(net, places, [block]))
+    numbers = relative_acceleration(net, places, tensor, front(net, places, np.pi))
+    # what is left of the sides, 50 su away, is exp(-2 ln 9 50 / 12) = 1e-8; rounding of sin pi
+    assert np.abs(numbers.of_velocity).max() < 1e-8
+    assert np.abs(numbers.of_change).max() < 1e-8
+    # greatest slope of log(1 + (s - 1) / (1 + exp(k x)))
+    root = np.sqrt(anisotropy)
+    greatest = 2 * np.log(9.0) / width * (root - 1) / (root + 1)
+    assert np.abs(numbers.of_spread).max() == pytest.approx(greatest, rel=1e-5)
