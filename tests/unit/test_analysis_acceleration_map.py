@@ -22,6 +22,7 @@ from cardiosurf.geometry.nets import FlatNet, nets_of, vein_net
 from cardiosurf.geometry.plane import Plane
 from cardiosurf.geometry.regions import Box, BoxLimits
 from cardiosurf.geometry.sphere import Sphere
+from cardiosurf.geometry.torus import Torus
 
 TERMS = ("of_velocity", "of_change", "of_spread")
 
@@ -201,3 +202,14 @@ def test_soft_patches_rise_over_their_width_on_the_surface():
     first, _ = smoothed_factors(net, places[:1], [patch, over])
     inside = over.share(net, places[:1]).value
     assert first.value[0] == pytest.approx(2.0 * inside[0] + 3.7 * (1 - inside[0]), rel=1e-6)
+
+
+def test_soft_patches_go_across_the_seam_of_a_torus():
+    (net,) = nets_of(Torus()).values()
+    patch = SmoothedPatch((np.pi - 0.5, np.pi + 0.3), (3.0, 4.0), (8.0, 1.0), 4.0)
+    # tube radius 50: 0.1 past the seam is 10 su inside, 0.4 past it 5 su outside
+    places = np.array([[-np.pi + 0.1, 3.5], [np.pi - 0.1, 3.5 - 2 * np.pi], [-np.pi + 0.4, 3.5]])
+    share = patch.share(net, places).value
+    wanted = 1 / (1 + np.exp(-2 * np.log(9) / 4 * np.array([10.0, 20.0, -5.0])))
+    # the other edges are 12 su away at the least: exp(-2 ln 9 12 / 4) = 2e-6
+    np.testing.assert_allclose(share, wanted, atol=1e-5)
