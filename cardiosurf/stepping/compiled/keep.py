@@ -11,7 +11,7 @@ import numba
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 # what is compiled into the loops; numba itself looks only at the file that a function stands in
-_SOURCES = ("stepping", "stepping/compiled", "kinetics")
+_SOURCES = ("stepping", "stepping/compiled", "kinetics", "analysis/compiled")
 
 
 def _digest() -> str:
