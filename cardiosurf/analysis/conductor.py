@@ -76,6 +76,14 @@ class Conductor:
         other /= determinant[:, None, None]
         return np.asarray(np.einsum("mab,mai,mbj->mij", other, planes, planes))
 
+    def hat_gradients(self) -> tuple[Floats, Floats]:
+        """Return the hat functions' gradients, (m, 3, 3), in 1/su, and areas, (m,), in su^2."""
+        sides = edge_vectors(self.points, self.triangles)
+        normal = np.cross(sides[:, 0], sides[:, 1])
+        twice = np.linalg.norm(normal, axis=1)
+        hats = np.cross(normal[:, None], sides) / (twice * twice)[:, None, None]
+        return hats, 0.5 * twice
+
     def corners_around(self) -> tuple[Ints, Ints]:
         """Return corners 3 t + i by vertex, (3 m,), and where each vertex begins, (n + 1,)."""
         around = triangles_around(self.triangles, len(self.points))

@@ -1,11 +1,14 @@
 """Where a front starts: vertices with times, and directions where they are known."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from cardiosurf.analysis.conductor import Conductor
 from cardiosurf.arrays import Floats, Ints
+from cardiosurf.errors import InputError
+from cardiosurf.tissue.stimuli import Pulse
 
 UNIFORM = 0.1
 """Spread of the metric up to which tissue about a source counts as uniform, relative to its trace.
@@ -78,6 +81,54 @@ def point_source(
     with np.errstate(invalid="ignore"):
         gradients = (pull @ plane) / times[:, None]
     return Sources(used[chosen], time + times, gradients)
+
+
+def stimulus_sources(conductor: Conductor, pulses: Iterable[Pulse], speed: float) -> Sources:
+    """Return the fronts that stimuli start from: time 0 on the level u = 0.5 of each.
+
+    Inside the level the stimulus itself is the activation. A vertex next to it, in a triangle that
+    the level crosses, gets the time of a straight front, (0.5 - u)/(c0 sqrt(grad u . d grad u)).
+    For a current the level is half its greatest strength.
+
+    Parameters
+    ----------
+    conductor : Conductor
+        The triangles and their diffusivity.
+    pulses : iterable of Pulse
+        The stimuli; of several beats of a place the first counts.
+    speed : float
+        c0, in su/tu.
+
+    Raises
+    ------
+    InputError
+        No stimulus reaches its level on excitable tissue.
+    """
+    hats, _ = conductor.hat_gradients()
+    tensor, triangles = conductor.tangential(), conductor.triangles
+    times = np.full(len(conductor.points), np.inf)
+    excitable = np.zeros(len(times), dtype=np.bool_)
+    excitable[triangles] = True
+    for pulse in pulses:
+        u = pulse.profile
+        level = 0.5 if pulse.duration == 0.0 else 0.5 * float(u.max())
+        inside = excitable & (u >= level)
+        times[inside] = np.minimum(times[inside], pulse.time)
+        corners = inside[triangles]
+        crossed = np.flatnonzero(corners.any(axis=1) & ~corners.all(axis=1))
+        gradient = np.einsum("mai,ma->mi", hats[crossed], u[triangles[crossed]])
+        steepness = np.sqrt(np.einsum("mi,mij,mj->m", gradient, tensor[crossed], gradient))
+        later = (level - u[triangles[crossed]]) / (speed * steepness[:, None])
+        outside = ~corners[crossed]
+        np.minimum.at(times, triangles[crossed][outside], pulse.time + later[outside])
+    started = np.flatnonzero(np.isfinite(times))
+    if not started.size:
+        raise InputError(
+            "stimulus",
+            "no stimulus raises u above 0.5 on excitable tissue, so no front starts",
+            "an amplitude above 0.5, or a current",
+        )
+    return Sources.at(started, times[started])
 
 
 def _uniform(conductor: Conductor, vertex: int, centre: Floats) -> tuple[Floats, Floats, float]:

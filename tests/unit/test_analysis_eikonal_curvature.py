@@ -1,0 +1,102 @@
+"""Fronts with c = c0 - d K against the ordinary differential equations of circles."""
+
+import numpy as np
+import pytest
+import scipy
+from arrival_samples import RADIUS, conductor, fibonacci_sphere, square
+
+from cardiosurf.analysis.eikonal_curvature import curved_arrival
+from cardiosurf.analysis.sources import Sources
+
+SPEED = 0.2123
+
+
+def circle_times(radius, start, diffusivity=1.0):
+    """When a circle has a radius: dr/dt = c - d/r from ``start`` on, c = c0 sqrt(d)."""
+    c = SPEED * np.sqrt(diffusivity)
+    grown = np.log((c * radius - diffusivity) / (c * start - diffusivity))
+    return (radius - start) / c + diffusivity / c**2 * grown
+
+
+def rms(error):
+    return np.sqrt(np.mean(error**2))
+
+
+def from_circle(step, tensor, scale=1.0):
+    """Errors with and without curvature on a ring, where r is measured by the tensor."""
+    points, triangles = square(step, 70.0)
+    r = np.sqrt(np.einsum("ij,jk,ik->i", points, np.linalg.inv(tensor), points)) * scale
+    exact = circle_times(np.maximum(r, 10.0), 15.0)
+    held = np.flatnonzero(r <= 19.0)
+    found = curved_arrival(
+        conductor(points, triangles, tensor), Sources.at(held, exact[held]), SPEED
+    )
+    # the square's sides disturb it: their no-flux condition is not that of a circle
+    ring = (r > 20.0) & (np.abs(points[:, :2]).max(axis=1) < 50.0) & (r < 50.0)
+    return rms((found.times - exact)[ring]), rms((found.straight - exact)[ring])
+
+
+def test_a_circle_on_the_plane_is_slowed_by_its_curvature():
+    coarse, _ = from_circle(4.0, np.eye(3))
+    fine, without = from_circle(2.0, np.eye(3))
+    # the wave takes 200 tu over the ring; without curvature it is early by d/c0^2 log(...)
+    assert without > 35.0
+    # measured 0.48 and 0.20 tu, and 0.06 at edges of 1 su
+    assert fine < 0.3
+    assert np.log2(coarse / fine) > 1.0
+
+
+def test_an_ellipse_across_fibres_is_a_circle_in_their_metric():
+    # with lengths along x halved the equation is that of isotropic tissue
+    error, without = from_circle(2.0, np.diag([4.0, 1.0, 1.0]))
+    # measured 0.29 tu, most of it from the sides of the square
+    assert without > 25.0
+    assert error < 0.4
+
+
+def test_a_circle_on_the_sphere_speeds_up_beyond_the_equator():
+    # ds/dt = c0 - d cot(s/R)/R
+    points, triangles = fibonacci_sphere(4000)
+    s = RADIUS * np.arccos(np.clip(points[:, 2] / RADIUS, -1.0, 1.0))
+    grid = np.linspace(15.0, 130.0, 2001)
+    rate = 1.0 / (SPEED - 1.0 / (np.tan(grid / RADIUS) * RADIUS))
+    times = scipy.integrate.cumulative_simpson(rate, x=grid, initial=0.0)
+    held = np.flatnonzero(s <= 20.0)
+    sources = Sources.at(held, np.interp(s[held], grid, times))
+    found = curved_arrival(conductor(points, triangles), sources, SPEED)
+    seen = (s > 22.0) & (s < 125.0)
+    error = (found.times - np.interp(s, grid, times))[seen]
+    # edges are 3 su; the wave takes 550 tu, and without curvature is 30 tu early: measured 0.15
+    assert rms((found.straight - np.interp(s, grid, times))[seen]) > 20.0
+    assert rms(error) < 0.3
+
+
+def test_a_straight_front_is_not_changed():
+    points, triangles = square(2.0)
+    left = np.flatnonzero(points[:, 0] == -50.0)
+    found = curved_arrival(conductor(points, triangles), Sources.at(left), SPEED)
+    exact = (points[:, 0] + 50.0) / SPEED
+    # at the far wall the front meets its mirror image, and is early from some 15 su before it on
+    seen = points[:, 0] < 35.0
+    np.testing.assert_allclose(found.times[seen], exact[seen], atol=0.3)
+
+
+def test_times_scale_with_the_rates():
+    # all rates times k: c0 and 1/length go as sqrt(k); here the same mesh with d k and c0 sqrt(k)
+    points, triangles = square(5.0)
+    near = np.flatnonzero(np.hypot(points[:, 0], points[:, 1]) <= 16.0)
+    ones = curved_arrival(conductor(points, triangles), Sources.at(near), SPEED)
+    fast = curved_arrival(
+        conductor(points, triangles, 4.0 * np.eye(3)), Sources.at(near), 2.0 * SPEED
+    )
+    np.testing.assert_allclose(4.0 * fast.times, ones.times, rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize("scar", [False, True])
+def test_what_no_wave_reaches_has_no_time(scar):
+    points, triangles = square(5.0)
+    left = points[triangles, 0].max(axis=1) <= 0.0
+    chosen = triangles[left] if scar else triangles
+    near = np.flatnonzero(np.hypot(points[:, 0] + 30.0, points[:, 1]) <= 12.0)
+    found = curved_arrival(conductor(points, chosen), Sources.at(near), SPEED)
+    np.testing.assert_array_equal(np.isfinite(found.times), (points[:, 0] <= 0.0) | (not scar))
