@@ -1,7 +1,7 @@
 """Arrival times of fronts whose speed depends on their curvature: c = c0 - D K.
 
-With q = grad T . d grad T a front obeys c0 sqrt(q) - sqrt(q) div(d grad T/sqrt(q)) = 1: in isotropic
-tissue c = c0 sqrt(d) - d K, K the geodesic curvature of the front. Written out,
+With q = grad T . d grad T a front obeys c0 sqrt(q) - sqrt(q) div(d grad T/sqrt(q)) = 1: in
+isotropic tissue c = c0 sqrt(d) - d K, K the geodesic curvature of the front. Written out,
 
     -div(d grad T) + c0 sqrt(q) + d grad T . grad log sqrt(q) = 1,
 
@@ -96,12 +96,13 @@ class _Elements:
         fluxes = np.einsum("mij,maj->mai", part.tangential(), hats)
         stiffness = np.einsum("m,mai,mbi->mab", areas, hats, fluxes)
         shares = np.repeat(areas / 3.0, 3)
-        weights = np.bincount(part.triangles.ravel(), shares, len(part.points))
+        weights = np.bincount(part.triangles.ravel(), shares, len(part.points)).astype(np.float64)
         return cls(part.triangles, hats, fluxes, areas, stiffness, weights)
 
     def summed(self, local: Floats) -> Floats:
         """Return the sums (n,) at the vertices of what each triangle has for its corners (m, 3)."""
-        return np.bincount(self.triangles.ravel(), local.ravel(), len(self.weights))
+        total = np.bincount(self.triangles.ravel(), local.ravel(), len(self.weights))
+        return total.astype(np.float64)
 
     def matrix(self, local: Floats) -> Any:
         """Return the sparse sum of the triangles' matrices (m, 3, 3)."""
