@@ -103,8 +103,8 @@ def separations(
     every = edge * pace * (1.0 if forward else -1.0)
     ends = [path.times[-1] for path in paths]
     farthest = max(ends) if forward else min(ends)
-    times = front.time + every * np.arange(int((farthest - front.time) / every) + 1)
-    return measure(paths, times, window=window, closed=front.closed)
+    levels = np.arange(int((farthest - front.time) / every) + 1, dtype=np.float64)
+    return measure(paths, front.time + every * levels, window=window, closed=front.closed)
 
 
 def measure(

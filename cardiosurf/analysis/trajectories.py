@@ -25,6 +25,7 @@ ENDS: dict[int, End] = {
 }
 """An open edge (also that towards scar); two fronts, or no way on; no direction; no more room."""
 
+ROUNDING = 1e-12
 ROOM = 20_000
 """Triangles that a trajectory may cross."""
 
@@ -81,8 +82,12 @@ class Trajectory:
         """
         order = slice(None) if self.times[-1] >= self.times[0] else slice(None, None, -1)
         known, places = self.times[order], self.points[order]
-        columns = [np.interp(times, known, column, np.nan, np.nan) for column in places.T]
-        return np.stack(columns, axis=1)
+        # a trajectory that starts on a front does so at its time, but for rounding
+        slack = 1e-9 * float(np.abs(known).max())
+        outside = (times < known[0] - slack) | (times > known[-1] + slack)
+        found = np.stack([np.interp(times, known, column) for column in places.T], axis=1)
+        found[outside] = np.nan
+        return found
 
 
 def trajectories(
@@ -106,9 +111,11 @@ def trajectories(
     slope = np.einsum("mai,ma->mi", hats, heights[conductor.triangles])
     flow = np.einsum("mij,mj->mi", conductor.tangential(), slope)
     # what is left of a constant map is rounding
-    steepness = np.linalg.norm(slope, axis=1)
-    flow[steepness < 1e-12 * np.nanmax(steepness, initial=0.0)] = 0.0
+    rise = np.ptp(heights[conductor.triangles], axis=1)
+    flow[rise <= ROUNDING * np.nanmax(np.abs(heights), initial=0.0)] = 0.0
     rates = np.einsum("mai,mi->ma", hats, flow)
+    # a flow along an edge stays on it
+    rates[np.abs(rates) <= ROUNDING * np.abs(rates).max(axis=1, keepdims=True)] = 0.0
     corners, first = conductor.corners_around()
     triangles = np.ascontiguousarray(conductor.triangles, dtype=np.int64)
     web = (triangles, twins(triangles), first, corners, rates, flow, slope)

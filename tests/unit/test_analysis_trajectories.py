@@ -152,3 +152,42 @@ def test_great_circles():
         # meridians, to a fraction of an edge (2.1 su)
         assert np.abs(drift * RADIUS * np.sin(polar / RADIUS))[seen].max() < 2.5
         np.testing.assert_allclose(path.times[seen], polar[seen], atol=0.1)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_on_a_rough_map_times_grow_and_every_trajectory_ends(seed):
+    # noise of twice what a front takes for an edge: flows meet, join and stop everywhere
+    points, triangles = square(4.0, seed=seed)
+    random = np.random.default_rng(seed)
+    tensor = np.diag([6.0, 1.0, 1.0])
+    lat = points[:, 0] + random.normal(0.0, 8.0, len(points))
+    starts = Places(np.arange(len(triangles)), np.full((len(triangles), 3), 1.0 / 3.0))
+    for forward in (True, False):
+        for path in trajectories(
+            conductor(points, triangles, tensor), lat, starts, forward=forward
+        ):
+            assert path.end in {"edge", "meeting"}
+            grown = np.diff(path.times) if forward else -np.diff(path.times)
+            assert grown.min(initial=0.0) > -1e-9
+
+
+def test_where_all_is_activated_at_once_there_is_no_direction():
+    points, triangles = square(10.0)
+    path = trajectories(
+        conductor(points, triangles),
+        np.full(len(points), 3.0),
+        places_at(conductor(points, triangles), [1.0, 2.0]),
+    )[0]
+    assert (path.end, len(path.points)) == ("still", 1)
+
+
+def test_a_place_is_told_at_any_time_of_a_trajectory():
+    points, triangles = square(4.0)
+    tissue, lat = conductor(points, triangles), 5.0 * points[:, 0]
+    for forward in (True, False):
+        path = trajectories(tissue, lat, places_at(tissue, [2.0, 7.0]), forward=forward)[0]
+        (early, now, late) = path.at(np.array([-30.0, 10.0, 50.0]))
+        np.testing.assert_allclose(now, [2.0, 7.0, 0.0], atol=1e-9)
+        known, unknown = (late, early) if forward else (early, late)
+        np.testing.assert_allclose(known, [10.0 if forward else -6.0, 7.0, 0.0], atol=1e-9)
+        assert np.isnan(unknown).all()
