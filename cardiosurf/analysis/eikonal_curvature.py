@@ -1,9 +1,10 @@
 """Arrival times of fronts whose speed depends on their curvature: c = c0 - D K.
 
-With q = grad T . d grad T a front obeys c0 sqrt(q) - sqrt(q) div(d grad T/sqrt(q)) = 1: in
-isotropic tissue c = c0 sqrt(d) - d K, K the geodesic curvature of the front. Written out,
+With q = grad T . d grad T a front obeys c0 sqrt(q) - g sqrt(q) div(d grad T/sqrt(q)) = 1: in
+isotropic tissue c = c0 sqrt(d) - g d K, K the geodesic curvature of the front. The factor g is 1
+for a front alone and more for a pulse (``curvature_factor``). Written out,
 
-    -div(d grad T) + c0 sqrt(q) + d grad T . grad log sqrt(q) = 1,
+    -g div(d grad T) + c0 sqrt(q) + g d grad T . grad log sqrt(q) = 1,
 
 it is the eikonal-diffusion equation (Colli Franzone, Guerri and Rovida, J Math Biol 28:121, 1990)
 with one term more, which takes back the diffusion along rays: without it a front that speeds up or
@@ -24,6 +25,7 @@ from cardiosurf.analysis.conductor import Conductor
 from cardiosurf.analysis.eikonal import arrival
 from cardiosurf.analysis.sources import Sources
 from cardiosurf.arrays import Floats, Ints, Mask
+from cardiosurf.errors import InputError
 
 FASTEST, SLOWEST = 2.5, 0.3
 """Limits of a front's speed in w, relative to c0: fronts that meet are fast without bound."""
@@ -69,9 +71,11 @@ class _Elements:
         d times these.
     areas : (m,) float
     stiffness : (m, 3, 3) float
-        Integrals of grad . d grad on each triangle.
+        Integrals of g grad . d grad on each triangle.
     weights : (n,) float
         A third of the area of each vertex' triangles.
+    factor : float
+        g.
     """
 
     triangles: Any
@@ -80,9 +84,10 @@ class _Elements:
     areas: Floats
     stiffness: Floats
     weights: Floats
+    factor: float
 
     @classmethod
-    def of(cls, conductor: Conductor, reached: Mask, held: Ints) -> "_Elements":
+    def of(cls, conductor: Conductor, reached: Mask, held: Ints, factor: float) -> "_Elements":
         """Return the elements of the triangles that are reached, but for those wholly held.
 
         Between sources times may be anything, and w there would spoil it on the next triangles.
@@ -94,10 +99,10 @@ class _Elements:
         part = Conductor(conductor.points, conductor.triangles[whole], conductor.tensor[whole])
         hats, areas = part.hat_gradients()
         fluxes = np.einsum("mij,maj->mai", part.tangential(), hats)
-        stiffness = np.einsum("m,mai,mbi->mab", areas, hats, fluxes)
+        stiffness = factor * np.einsum("m,mai,mbi->mab", areas, hats, fluxes)
         shares = np.repeat(areas / 3.0, 3)
         weights = np.bincount(part.triangles.ravel(), shares, len(part.points)).astype(np.float64)
-        return cls(part.triangles, hats, fluxes, areas, stiffness, weights)
+        return cls(part.triangles, hats, fluxes, areas, stiffness, weights, factor)
 
     def summed(self, local: Floats) -> Floats:
         """Return the sums (n,) at the vertices of what each triangle has for its corners (m, 3)."""
@@ -119,8 +124,10 @@ class _Elements:
         return flux, np.sqrt(np.maximum(np.einsum("mi,mi->m", gradient, flux), 1e-20))
 
 
-def curved_arrival(conductor: Conductor, sources: Sources, speed: float) -> CurvedArrival:
-    """Return when a front arrives whose speed is c0 sqrt(d) - d K in isotropic tissue.
+def curved_arrival(
+    conductor: Conductor, sources: Sources, speed: float, *, factor: float = 1.0
+) -> CurvedArrival:
+    """Return when a front arrives whose speed is c0 sqrt(d) - g d K in isotropic tissue.
 
     It is meant for fronts with d K well below c0, in tissue that changes over more than d/c0
     (5 su). Close to the critical curvature and where fronts meet, speeds are held between 0.3 and
@@ -136,15 +143,20 @@ def curved_arrival(conductor: Conductor, sources: Sources, speed: float) -> Curv
         Where it starts, and when.
     speed : float
         c0, in su/tu.
+    factor : float
+        g, how much a curvature slows a front down, relative to the diffusivity
+        (``curvature_factor``).
 
     Raises
     ------
     InputError
-        As ``arrival`` does.
+        As ``arrival`` does; or the factor is not positive.
     """
+    if not 0.0 < factor < np.inf:
+        raise InputError("factor", f"{factor}", "a positive number", "arrival has no curvature")
     straight = arrival(conductor, sources, speed).times
     reached = np.isfinite(straight)
-    elements = _Elements.of(conductor, reached, sources.vertices)
+    elements = _Elements.of(conductor, reached, sources.vertices, factor)
     free = elements.weights > 0.0
     free[sources.vertices] = False
     times = np.where(reached, straight, 0.0)
@@ -169,7 +181,7 @@ def _newton(
 ) -> tuple[Floats, float]:
     """Return the times after a Newton step with w (n,) held, and how far it went."""
     flux, slow = elements.slowness(times)
-    drift = np.einsum("mai,ma->mi", elements.fluxes, w[elements.triangles])
+    drift = elements.factor * np.einsum("mai,ma->mi", elements.fluxes, w[elements.triangles])
     gradient = np.einsum("mai,ma->mi", elements.hats, times[elements.triangles])
     rest = speed * slow + np.einsum("mi,mi->m", gradient, drift) - 1.0
     local = np.einsum("mab,mb->ma", elements.stiffness, times[elements.triangles])

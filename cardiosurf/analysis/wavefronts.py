@@ -22,8 +22,8 @@ class Wavefront:
     time : float
         Its LAT, in tu.
     points : (k, 3) float
-        Where it crosses edges, in order, with the later tissue on its left as seen from outside;
-        a closed one does not repeat its first point.
+        Where it crosses edges, in order, with the later tissue on its left as seen from where the
+        triangles run counter-clockwise; a closed one does not repeat its first point.
     places : Places
         The same points, each in the triangle that the front goes on in (at the end of an open one:
         comes from).
