@@ -37,7 +37,8 @@ class Separations:
     acceleration : (p, t) float
         Its second derivative, in su/tu^2.
     rate_error, acceleration_error : (p, t) float
-        Standard errors of these, by the kinks of |n| in the window.
+        Standard errors of these, by the kinks of |n| in the window; kinks partly cancel, so on
+        smooth maps they are two to three times too large.
     window : float
         Half the time that a parabola is fitted to, in tu.
     """

@@ -72,7 +72,7 @@ def test_geodesic_curvature_of_circles_on_the_sphere(s):
     # cot(s/R)/R: 0 on the equator, negative beyond; the window of 8 su adds 0.2 (K 8)^2 of it
     exact = 1.0 / (np.tan(s / RADIUS) * RADIUS)
     assert np.mean(found.curvature) == pytest.approx(exact, abs=0.001)
-    np.testing.assert_allclose(found.curvature, exact, atol=0.004)
+    np.testing.assert_allclose(found.curvature, exact, atol=0.002)
 
 
 def test_a_straight_front_has_none():
@@ -105,8 +105,9 @@ def test_circles_on_the_plane_part_evenly():
     # no acceleration, within its error: |n|''/|n| against 1/r^2 = 0.0011
     seen = np.isfinite(found.acceleration)
     pull = np.abs(found.acceleration / found.acceleration_error)[seen]
-    assert np.mean(pull < 2.0) > 0.9
-    assert 0.3 < np.sqrt(np.mean(pull**2)) < 1.5
+    # measured 0.49: kinks partly cancel, so that the error is a bound more than an estimate
+    assert np.mean(pull < 2.0) > 0.95
+    assert 0.3 < np.sqrt(np.mean(pull**2)) < 1.2
     assert abs(np.nanmean(found.relative)) < 1e-4
 
 
