@@ -48,8 +48,9 @@ def curvature_factor(kinetics: Kinetics) -> float:
     """Return g of c = c0 - g d K for gently curved fronts; 1 where there is no wave.
 
     A front of curvature K that moves at c is a straight one with d u'' + (c + d K) u' + f = 0,
-    but c v' + g = 0: to its recovery it is slower than to its potential. So c + d K is the speed
-    of a straight front whose recovery is faster by (c + d K)/c, and to first order in K
+    but c v' + r = 0 (r the rate of v): to its recovery it is slower than to its potential. So
+    c + d K is the speed of a straight front whose recovery is faster by (c + d K)/c, and to first
+    order in K
 
         g = 1 - d log c0/d log(rate of recovery).
 
