@@ -20,6 +20,7 @@ $(STAMP): requirements.lock pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --requirement requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	$(BIN)/python -m cardiosurf.stepping.compiled
+	$(BIN)/python -m cardiosurf.analysis.compiled
 	touch $@
 
 run: $(STAMP)  ## run the T-domain and print its verdict
