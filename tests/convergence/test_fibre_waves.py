@@ -24,7 +24,9 @@ def lat_along_and_across(angle, edge):
     With lengths along the fibres halved the problem is the isotropic one: a disc grows as a
     circle until it meets a wall. So all four are the same function of s.
     """
-    surface = build_surface(Plane(x=(-60.0, 60.0), y=(-60.0, 60.0)), edge, {patch_key("p"): ANYWHERE})
+    surface = build_surface(
+        Plane(x=(-60.0, 60.0), y=(-60.0, 60.0)), edge, {patch_key("p"): ANYWHERE}
+    )
     patch = Patch("p", ANYWHERE, AngleField(repr(angle)), anisotropy={"along": RATIO})
     tissue = build_tissue(surface, TissueSection(1.0, (patch,)))
     operators = assemble(surface.points, surface.triangles, tissue.tensor, tissue.excitable)

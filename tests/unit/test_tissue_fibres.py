@@ -95,7 +95,9 @@ def test_an_angle_is_taken_from_the_first_axis_towards_the_second():
 
 
 def test_an_angle_of_the_place_makes_the_circles_again():
-    surface = build_surface(Plane(x=(-40.0, 40.0), y=(-40.0, 40.0)), 5.0, {patch_key("p"): ANYWHERE})
+    surface = build_surface(
+        Plane(x=(-40.0, 40.0), y=(-40.0, 40.0)), 5.0, {patch_key("p"): ANYWHERE}
+    )
     by_angle = tensor_of(surface, AngleField("atan2(y - 7, x) + pi/2 + 0.2"))
     circles = tensor_of(surface, Circles(Winding((0.0, 7.0, 0.0), 0.2)))
     middle = surface.points[surface.triangles].mean(axis=1)
