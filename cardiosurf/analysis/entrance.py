@@ -1,0 +1,260 @@
+"""How a wave meets a patch: angle of incidence and curvature of the front along its entrance.
+
+Both are read off the activation map one front width before the patch, where its load is not felt
+yet. Around each of the places there T, the LAT, is fitted by a quadratic in the tangent plane:
+
+    cos(angle) = n . grad T / |grad T|,    K = div(grad T / |grad T|),    speed = 1 / |grad T|
+
+with n the direction to the patch by the shortest way. K is the geodesic curvature of the isochrone:
+the tangent plane differs from normal coordinates of the surface by terms of third order, so that
+the second derivatives of the fit are the surface's own. K > 0 where the front diverges: 1/r at
+distance r from a point on the plane.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from cardiosurf.analysis.distance import distance_from
+from cardiosurf.analysis.route import FRONT_WIDTH, Map, entrance_edges
+from cardiosurf.arrays import Floats, Ints, Mask
+
+BEFORE = FRONT_WIDTH
+"""How far before the patch the front is looked at, in su."""
+RADIUS = 8.0
+"""Of the neighbourhood that is fitted, in su; at least 2.5 edge lengths."""
+NEAREST = 0.5
+"""What of that way no neighbourhood goes beyond."""
+GRAZING = 0.1
+"""Cosine of the largest angle at which the unperturbed wave still counts as entering."""
+FEWEST = 9
+"""Places around one that a fit of six coefficients takes."""
+WORST = 0.1
+"""A fit that is off by more, in units of the front's time over the radius, is none: a collision."""
+
+
+@dataclass(frozen=True)
+class Profile:
+    """The front along one piece of an entrance, a front width before it.
+
+    Attributes
+    ----------
+    position : (k,) float
+        Arc length along the entrance of the point that is entered, in su. It counts from that
+        end of the piece whose coordinates (x, then y, then z) are the smaller.
+    points : (k, 3) float
+        Where the front was looked at, in su.
+    lat : (k,) float
+        When it was there, in tu; NaN, as in what follows, where it never came.
+    angle : (k,) float
+        Between its direction and the way to the patch, in radians; positive where it runs towards
+        larger positions.
+    curvature : (k,) float
+        Geodesic curvature of the isochrone, in 1/su; positive where the front diverges.
+    speed : (k,) float
+        In su/tu.
+    length : float
+        Of this piece of the entrance, in su.
+    start, end : (3,) float
+        Its ends.
+    """
+
+    position: Floats
+    points: Floats
+    lat: Floats
+    angle: Floats
+    curvature: Floats
+    speed: Floats
+    length: float
+    start: Floats
+    end: Floats
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """Vertices of a connected piece of the entrance in turn, and their arc lengths."""
+
+    vertices: Ints
+    position: Floats
+
+
+def entrance_profiles(
+    activation: Map, inside: Mask, *, before: float = BEFORE, radius: float = RADIUS
+) -> tuple[Profile, ...]:
+    """Return how a wave meets a patch along each connected piece of its entrance.
+
+    Parameters
+    ----------
+    activation : Map
+        The activation map; ``unperturbed`` tells where the entrance is.
+    inside : (m,) bool
+        The patch's triangles.
+    before : float
+        How far before the patch to look, in su.
+    radius : float
+        Of the neighbourhoods that are fitted, in su; at least 2.5 edge lengths are taken.
+
+    Returns
+    -------
+    tuple of Profile
+        The longest piece first; none if the wave enters nowhere.
+    """
+    edges = entrance_edges(activation, inside, GRAZING)
+    if not len(edges):
+        return ()
+    points, outside = activation.points, activation.excitable & ~inside
+    ground = activation.triangles[outside]
+    sources = np.zeros(len(points), dtype=np.bool_)
+    sources[edges] = True
+    distance = distance_from(points, ground, sources)
+    sides = points[edges[:, 1]] - points[edges[:, 0]]
+    edge = float(np.median(np.linalg.norm(sides, axis=1)))
+    layer = np.flatnonzero(np.abs(distance - before) < 0.5 * edge)
+    # nearer than that the load is felt: there may be tissue that is activated much later
+    away = np.isfinite(distance) & (distance > NEAREST * before)
+    fit = _Fit.of(points, ground, away, max(radius, 2.5 * edge))
+    pieces = [_in_turn(points, piece) for piece in _pieces(edges)]
+    entered = np.concatenate([piece.vertices for piece in pieces])
+    nearest = np.asarray(scipy.spatial.cKDTree(points[entered]).query(points[layer])[1])
+    found, first = [], 0
+    for piece in pieces:
+        # what is nearest to an end may lie beyond it, where there is nothing to enter
+        own = (nearest > first) & (nearest < first + len(piece.vertices) - 1)
+        place = nearest[own] - first
+        found.append(_profile(activation, distance, fit, piece, (layer[own], place)))
+        first += len(piece.vertices)
+    return tuple(sorted(found, key=lambda one: -one.length))
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Quadratic fits of vertex fields around single vertices.
+
+    Attributes
+    ----------
+    points : (n, 3) float
+    normals : (n, 3) float
+        Of the surface at each vertex; of length 0 where no triangle of the ground is.
+    own : (g,) int
+        The vertices that fields are fitted at.
+    tree : cKDTree
+        Of their places.
+    radius : float
+    """
+
+    points: Floats
+    normals: Floats
+    own: Ints
+    tree: "scipy.spatial.cKDTree[None]"
+    radius: float
+
+    @classmethod
+    def of(cls, points: Floats, ground: Ints, chosen: Mask, radius: float) -> "_Fit":
+        """Return what fits over chosen vertices (n,) of the triangles ``ground`` take."""
+        corners = points[ground]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals = np.zeros_like(points)
+        for corner in range(3):
+            np.add.at(normals, ground[:, corner], across)
+        length = np.linalg.norm(normals, axis=1, keepdims=True)
+        normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0.0)
+        own = np.flatnonzero(chosen & (length[:, 0] > 0.0))
+        return cls(points, normals, own, scipy.spatial.cKDTree(points[own]), radius)
+
+    def around(self, vertex: int, field: Floats) -> tuple[Floats, Floats, float] | None:
+        """Return gradient (3,), Hessian (3, 3) and misfit of a field (n,); None: too few places.
+
+        Both are tangential. The misfit is the root mean square of what is left over.
+        """
+        normal = self.normals[vertex]
+        near = self.own[self.tree.query_ball_point(self.points[vertex], self.radius)]
+        # the other side of a fold is near, but does not belong to it
+        near = near[np.isfinite(field[near]) & (self.normals[near] @ normal > 0.5)]
+        if len(near) < FEWEST:
+            return None
+        basis = np.linalg.svd(normal[None, :])[2][1:]
+        x, y = basis @ (self.points[near] - self.points[vertex]).T / self.radius
+        weight = np.exp(-2.0 * (x * x + y * y))
+        terms = np.column_stack((np.ones_like(x), x, y, 0.5 * x * x, x * y, 0.5 * y * y))
+        found, _, rank, _ = np.linalg.lstsq(terms * weight[:, None], field[near] * weight)
+        if rank < 6:
+            return None
+        left = terms @ found - field[near]
+        misfit = float(np.sqrt(np.average(left * left, weights=weight)))
+        second = np.array([[found[3], found[4]], [found[4], found[5]]]) / self.radius**2
+        return found[1:3] @ basis / self.radius, basis.T @ second @ basis, misfit
+
+
+def _profile(
+    activation: Map, distance: Floats, fit: _Fit, piece: _Piece, places: tuple[Ints, Ints]
+) -> Profile:
+    """Return the profile of a piece, read at vertices that enter it at its given vertices."""
+    rows = []
+    for vertex, place in zip(*(one.tolist() for one in places), strict=True):
+        neighbours = piece.vertices[[place - 1, place + 1]]
+        along = np.subtract(*activation.points[neighbours][::-1])
+        front = _front(fit, vertex, activation.lat, distance, along)
+        rows.append((piece.position[place], activation.lat[vertex], *front))
+    table = np.array(rows, dtype=np.float64).reshape(-1, 5)
+    order = np.argsort(table[:, 0], kind="stable")
+    position, lat, angle, curvature, speed = table[order].T
+    return Profile(
+        position=position,
+        points=activation.points[places[0][order]],
+        lat=lat,
+        angle=angle,
+        curvature=curvature,
+        speed=speed,
+        length=float(piece.position[-1]),
+        start=activation.points[piece.vertices[0]],
+        end=activation.points[piece.vertices[-1]],
+    )
+
+
+def _front(
+    fit: _Fit, vertex: int, lat: Floats, distance: Floats, along: Floats
+) -> tuple[float, float, float]:
+    """Return angle, curvature and speed of the front at a vertex; NaN where it has none."""
+    front, way = fit.around(vertex, lat), fit.around(vertex, distance)
+    if front is None or way is None or not np.isfinite(lat[vertex]):
+        return np.nan, np.nan, np.nan
+    gradient, hessian, misfit = front
+    steepness = float(np.linalg.norm(gradient))
+    if misfit > WORST * fit.radius * steepness:
+        return np.nan, np.nan, np.nan
+    direction, inward = gradient / steepness, -way[0] / np.linalg.norm(way[0])
+    sideways = along - (along @ inward) * inward
+    sine = float(direction @ sideways / np.linalg.norm(sideways))
+    # div(g/|g|) = (tr H - d . H d) / |g|, d = g/|g|
+    curvature = float(np.trace(hessian) - direction @ hessian @ direction) / steepness
+    return float(np.arctan2(sine, direction @ inward)), curvature, 1.0 / steepness
+
+
+def _pieces(edges: Ints) -> list[Ints]:
+    """Return the connected pieces of a set of edges (k, 2), each as edges again."""
+    names, number = np.unique(edges, return_inverse=True)
+    ends = number.reshape(-1, 2)
+    links = scipy.sparse.coo_array(
+        (np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(len(names), len(names))
+    )
+    count, label = scipy.sparse.csgraph.connected_components(links, directed=False)
+    return [edges[label[ends[:, 0]] == one] for one in range(count)]
+
+
+def _in_turn(points: Floats, edges: Ints) -> _Piece:
+    """Return the vertices of a connected piece in turn, and their arc lengths from its start."""
+    beside: dict[int, list[int]] = {}
+    for a, b in edges.tolist():
+        beside.setdefault(a, []).append(b)
+        beside.setdefault(b, []).append(a)
+    ends = [vertex for vertex, others in beside.items() if len(others) == 1] or list(beside)
+    here = min(ends, key=lambda vertex: tuple(points[vertex].round(6).tolist()))
+    turn, seen = [here], {here}
+    while following := [vertex for vertex in beside[here] if vertex not in seen]:
+        here = following[0]
+        turn.append(here)
+        seen.add(here)
+    vertices = np.array(turn)
+    sides = np.linalg.norm(np.diff(points[vertices], axis=0), axis=1)
+    return _Piece(vertices, np.concatenate(([0.0], np.cumsum(sides))))
