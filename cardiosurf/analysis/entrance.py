@@ -17,8 +17,14 @@ import numpy as np
 import scipy
 
 from cardiosurf.analysis.distance import distance_from
+from cardiosurf.analysis.quadratic import Fit
 from cardiosurf.analysis.route import FRONT_WIDTH, Map, entrance_edges
+from cardiosurf.analysis.stimulation import stimulation
+from cardiosurf.analysis.waves import trace_waves
 from cardiosurf.arrays import Floats, Ints, Mask
+from cardiosurf.errors import InputError
+from cardiosurf.recording.recording import Recording
+from cardiosurf.spelling import did_you_mean
 
 BEFORE = FRONT_WIDTH
 """How far before the patch the front is looked at, in su."""
@@ -28,8 +34,6 @@ NEAREST = 0.5
 """What of that way no neighbourhood goes beyond."""
 GRAZING = 0.1
 """Cosine of the largest angle at which the unperturbed wave still counts as entering."""
-FEWEST = 9
-"""Places around one that a fit of six coefficients takes."""
 WORST = 0.1
 """A fit that is off by more, in units of the front's time over the radius, is none: a collision."""
 
@@ -79,6 +83,45 @@ class _Piece:
     position: Floats
 
 
+def patch_entrances(recording: Recording, patch: str) -> tuple[Profile, ...]:
+    """Return how the first wave of a run meets a patch along each piece of its entrance.
+
+    Parameters
+    ----------
+    recording : Recording
+        A finished run.
+    patch : str
+        The patch's name.
+
+    Raises
+    ------
+    InputError
+        The run has no such patch.
+    """
+    inside = recording.patches.get(patch)
+    if inside is None:
+        guess = did_you_mean(patch, list(recording.patches))
+        problem = f"has no patch {patch!r}" + (f", {guess}" if guess else "")
+        raise InputError(recording.name, problem, ", ".join(recording.patches) or "it has none")
+    surface, tissue = recording.surface, recording.tissue
+    waves = trace_waves(
+        recording.activations,
+        recording.repolarisations,
+        surface.triangles,
+        recording.pulses,
+        recording.node_count,
+    )
+    activation = Map(
+        surface.points,
+        surface.triangles,
+        tissue.tensor,
+        tissue.excitable,
+        recording.first_activation,
+        stimulation(recording, waves).unperturbed,
+    )
+    return entrance_profiles(activation, inside)
+
+
 def entrance_profiles(
     activation: Map, inside: Mask, *, before: float = BEFORE, radius: float = RADIUS
 ) -> tuple[Profile, ...]:
@@ -113,7 +156,7 @@ def entrance_profiles(
     layer = np.flatnonzero(np.abs(distance - before) < 0.5 * edge)
     # nearer than that the load is felt: there may be tissue that is activated much later
     away = np.isfinite(distance) & (distance > NEAREST * before)
-    fit = _Fit.of(points, ground, away, max(radius, 2.5 * edge))
+    fit = Fit.of(points, ground, away, max(radius, 2.5 * edge))
     pieces = [_in_turn(points, piece) for piece in _pieces(edges)]
     entered = np.concatenate([piece.vertices for piece in pieces])
     nearest = np.asarray(scipy.spatial.cKDTree(points[entered]).query(points[layer])[1])
@@ -127,67 +170,8 @@ def entrance_profiles(
     return tuple(sorted(found, key=lambda one: -one.length))
 
 
-@dataclass(frozen=True)
-class _Fit:
-    """Quadratic fits of vertex fields around single vertices.
-
-    Attributes
-    ----------
-    points : (n, 3) float
-    normals : (n, 3) float
-        Of the surface at each vertex; of length 0 where no triangle of the ground is.
-    own : (g,) int
-        The vertices that fields are fitted at.
-    tree : cKDTree
-        Of their places.
-    radius : float
-    """
-
-    points: Floats
-    normals: Floats
-    own: Ints
-    tree: "scipy.spatial.cKDTree[None]"
-    radius: float
-
-    @classmethod
-    def of(cls, points: Floats, ground: Ints, chosen: Mask, radius: float) -> "_Fit":
-        """Return what fits over chosen vertices (n,) of the triangles ``ground`` take."""
-        corners = points[ground]
-        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normals = np.zeros_like(points)
-        for corner in range(3):
-            np.add.at(normals, ground[:, corner], across)
-        length = np.linalg.norm(normals, axis=1, keepdims=True)
-        normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0.0)
-        own = np.flatnonzero(chosen & (length[:, 0] > 0.0))
-        return cls(points, normals, own, scipy.spatial.cKDTree(points[own]), radius)
-
-    def around(self, vertex: int, field: Floats) -> tuple[Floats, Floats, float] | None:
-        """Return gradient (3,), Hessian (3, 3) and misfit of a field (n,); None: too few places.
-
-        Both are tangential. The misfit is the root mean square of what is left over.
-        """
-        normal = self.normals[vertex]
-        near = self.own[self.tree.query_ball_point(self.points[vertex], self.radius)]
-        # the other side of a fold is near, but does not belong to it
-        near = near[np.isfinite(field[near]) & (self.normals[near] @ normal > 0.5)]
-        if len(near) < FEWEST:
-            return None
-        basis = np.linalg.svd(normal[None, :])[2][1:]
-        x, y = basis @ (self.points[near] - self.points[vertex]).T / self.radius
-        weight = np.exp(-2.0 * (x * x + y * y))
-        terms = np.column_stack((np.ones_like(x), x, y, 0.5 * x * x, x * y, 0.5 * y * y))
-        found, _, rank, _ = np.linalg.lstsq(terms * weight[:, None], field[near] * weight)
-        if rank < 6:
-            return None
-        left = terms @ found - field[near]
-        misfit = float(np.sqrt(np.average(left * left, weights=weight)))
-        second = np.array([[found[3], found[4]], [found[4], found[5]]]) / self.radius**2
-        return found[1:3] @ basis / self.radius, basis.T @ second @ basis, misfit
-
-
 def _profile(
-    activation: Map, distance: Floats, fit: _Fit, piece: _Piece, places: tuple[Ints, Ints]
+    activation: Map, distance: Floats, fit: Fit, piece: _Piece, places: tuple[Ints, Ints]
 ) -> Profile:
     """Return the profile of a piece, read at vertices that enter it at its given vertices."""
     rows = []
@@ -213,7 +197,7 @@ def _profile(
 
 
 def _front(
-    fit: _Fit, vertex: int, lat: Floats, distance: Floats, along: Floats
+    fit: Fit, vertex: int, lat: Floats, distance: Floats, along: Floats
 ) -> tuple[float, float, float]:
     """Return angle, curvature and speed of the front at a vertex; NaN where it has none."""
     front, way = fit.around(vertex, lat), fit.around(vertex, distance)

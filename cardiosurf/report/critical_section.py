@@ -1,0 +1,140 @@
+"""Critical values on the reproduction page, and the fronts that explain them."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from cardiosurf.config.scenario_file import ScenarioFile
+from cardiosurf.report.critical_plots import numbers, piece_name
+from cardiosurf.report.kept import Row, SearchRows
+from cardiosurf.report.markdown import image_file, table
+from cardiosurf.report.threshold_lines import with_error
+
+MISSING = "not run yet"
+
+
+def search_section(group: SearchRows, images: str) -> list[str]:
+    """Return the section of all searches of one name, as lines of Markdown.
+
+    Parameters
+    ----------
+    group : SearchRows
+        The searches and their results.
+    images : str
+        The folder of the images, seen from the page.
+    """
+    search = group.searches[0][1]
+    lines = [f"## {search.title or group.name}", ""]
+    for file, _ in group.searches:
+        if file.scenario.answer:
+            lines += [f"**{file.scenario.name}.** {file.scenario.answer}", ""]
+    if any(row.entry is not None for row in group.thresholds):
+        lines += [f"![critical values]({image_file(images, group.name)})", ""]
+    heads = ("case", search.axis or "-", "critical value", "order", "on each mesh")
+    rows = [
+        _threshold(row) for file, _ in group.searches for row in group.of(file, group.thresholds)
+    ]
+    lines += [f"Critical value of `{search.vary}`, asked for {search.of}:", "", *table(heads, rows)]
+    lines.append("")
+    for file, _ in group.searches:
+        lines += _entrances(group, file, images)
+    return lines
+
+
+def _threshold(row: Row) -> list[str]:
+    entry = row.entry or {}
+    name = f"{row.wanted.file.scenario.name}/{row.wanted.ready.case.name}"
+    if not entry:
+        return [name, "-", MISSING, "-", "-"]
+    against = "-" if entry["against"] is None else f"{entry['against']:g}"
+    orders = [
+        "no trend" if one["order"] is None else f"{one['order']:.1f}, {one['order_is']}"
+        for one in entry["changes"]
+        if one["value"] is not None
+    ]
+    meshes = "; ".join(_on_meshes(one) for one in entry["changes"])
+    return [name, against, critical_words(row), "; ".join(orders) or "-", meshes or "-"]
+
+
+def _on_meshes(change: dict[str, Any]) -> str:
+    found = []
+    for level in change["levels"]:
+        if level["low"] is None:
+            found.append(f"{level['edge_length']:g}: none")
+        else:
+            found.append(f"{level['edge_length']:g}: {0.5 * (level['low'] + level['high']):.4g}")
+    return ", ".join(found)
+
+
+def _entrances(group: SearchRows, file: ScenarioFile, images: str) -> list[str]:
+    """Return how the front meets the patch in a scenario's cases."""
+    rows = group.of(file, group.entrances)
+    if not rows:
+        return []
+    search = next(one for own, one in group.searches if own is file)
+    name = f"{file.scenario.name}/{group.name}/entrance"
+    lines = [f"### {file.scenario.name}: the front before {search.entrance}", ""]
+    if any(row.entry is not None for row in rows):
+        lines += [f"![angle and curvature along the entrance]({image_file(images, name)})", ""]
+    heads = (
+        search.axis or "case",
+        "verdict",
+        "entrance",
+        "met from [tu]",
+        "angle there [deg]",
+        "mean abs(angle) [deg]",
+        "curvature there [1/su]",
+        "mean curvature [1/su]",
+    )
+    return [*lines, *table(heads, [line for row in rows for line in _fronts(row)]), ""]
+
+
+def _fronts(row: Row) -> Iterator[list[str]]:
+    """Yield a line for each piece of an entrance that the front came to."""
+    entry = row.entry
+    if entry is None:
+        yield [row.wanted.ready.case.name, MISSING, *["-"] * 6]
+        return
+    against = row.wanted.ready.case.name
+    if entry["against"] is not None:
+        against = f"{entry['against']:g}"
+    for piece in entry["pieces"]:
+        angle, curvature = np.degrees(numbers(piece["angle"])), numbers(piece["curvature"])
+        lat = np.where(np.isfinite(angle), numbers(piece["lat"]), np.nan)
+        if not np.isfinite(lat).any():
+            continue
+        first = int(np.nanargmin(lat))
+        yield [
+            against,
+            entry["verdict"],
+            piece_name(piece),
+            f"{lat[first]:.0f}",
+            f"{angle[first]:+.0f}",
+            f"{np.nanmean(np.abs(angle)):.0f}",
+            f"{curvature[first]:+.4f}",
+            f"{np.nanmean(curvature):+.4f}",
+        ]
+
+
+def critical_words(row: Row) -> str:
+    """Return the critical values of a search in a few words.
+
+    Parameters
+    ----------
+    row : Row
+        The search of a case and its result.
+    """
+    if row.entry is None:
+        return MISSING
+    if not row.entry["changes"]:
+        low, high = row.entry["between"]
+        return f"no change from {low:g} to {high:g}"
+    return ", ".join(_change(change) for change in row.entry["changes"])
+
+
+def _change(change: dict[str, Any]) -> str:
+    if change["value"] is None:
+        return f"no value ({change['note']})"
+    value = with_error(change["value"], change["error"])
+    return value if change["converged"] else f"{value} (not converged)"
