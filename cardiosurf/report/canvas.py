@@ -1,7 +1,6 @@
 """Figures without global state, and their files."""
 
 from collections.abc import Sequence
-from io import BytesIO
 from pathlib import Path
 from textwrap import wrap
 
@@ -9,7 +8,6 @@ import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from PIL import Image
 
 from cardiosurf.recording.whole_file import whole_file
 
@@ -30,22 +28,13 @@ def new_figure(width: float, height: float, title: str, caption: str | None) -> 
     return figure
 
 
-def save_small(figure: Figure, path: Path, dots_per_inch: int) -> None:
-    """Write a figure as a PNG of 256 colours, a third of the usual size.
-
-    Raises
-    ------
-    InputError
-        The folder cannot be written to, or the disk is full.
-    """
-    drawn = BytesIO()
-    figure.savefig(drawn, format="png", dpi=dots_per_inch)
-    picture = Image.open(drawn).convert("RGB")
-    with whole_file(path) as partial:
-        picture.quantize(256, dither=Image.Dither.NONE).save(partial, format="png", optimize=True)
-
-
-def save(figure: Figure, stem: Path, formats: Sequence[str] = FORMATS) -> tuple[Path, ...]:
+def save(
+    figure: Figure,
+    stem: Path,
+    formats: Sequence[str] = FORMATS,
+    *,
+    dots_per_inch: int = DOTS_PER_INCH,
+) -> tuple[Path, ...]:
     """Write a figure as ``stem.png``, ``stem.svg``, ...; each file appears whole.
 
     Raises
@@ -64,6 +53,6 @@ def save(figure: Figure, stem: Path, formats: Sequence[str] = FORMATS) -> tuple[
             ),
             whole_file(path) as partial,
         ):
-            figure.savefig(partial, format=kind, dpi=DOTS_PER_INCH, metadata=metadata)
+            figure.savefig(partial, format=kind, dpi=dots_per_inch, metadata=metadata)
         written.append(path)
     return tuple(written)

@@ -92,6 +92,8 @@ def entrance_plot(group: SearchRows, file: ScenarioFile) -> Figure:
                     color=shade,
                     label=label,
                 )
+    if names:
+        grid[0, 0].legend(title=group.searches[0][1].axis, fontsize=7, title_fontsize=7)
     for column, name in enumerate(names):
         grid[0, column].set_title(f"entrance {name}", fontsize=9)
         grid[1, column].set_xlabel("arc length along the entrance [su]")
@@ -100,7 +102,6 @@ def entrance_plot(group: SearchRows, file: ScenarioFile) -> Figure:
             axes.grid(alpha=0.3)
     grid[0, 0].set_ylabel("angle of incidence [deg]")
     grid[1, 0].set_ylabel("curvature [1/su]")
-    grid[0, 0].legend(title=group.searches[0][1].axis, fontsize=7, title_fontsize=7)
     return figure
 
 

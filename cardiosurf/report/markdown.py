@@ -17,6 +17,11 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     return ["| " + " | ".join(cell.replace("|", r"\|") for cell in row) + " |" for row in every]
 
 
+def stem_of(name: str) -> str:
+    """Return the file name, without ending, of the image of a result."""
+    return name.replace("/", "_")
+
+
 def image_file(images: str, name: str) -> str:
     """Return where the image of a result is, seen from the page."""
-    return f"{images}/{name.replace('/', '_')}.png"
+    return f"{images}/{stem_of(name)}.png"

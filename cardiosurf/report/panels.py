@@ -25,6 +25,8 @@ from cardiosurf.report.views import View, flat_views
 COLOURS = "magma"
 """Of u; LAT has other colours, so that they are not mistaken for each other."""
 OUTLINE = "#56b4e9"
+ZOOM = 1.45
+"""Without axes there is room for more."""
 WIDTH, HEIGHT = 3.1, 3.3
 """Of one panel, in inches."""
 
@@ -142,9 +144,13 @@ def _draw_u(
         colours = triangle_colours(surface, values, norm, viewpoint, COLOURS)
         solid = draw_solid(figure, place, surface, colours, viewpoint)
         solid.set_axis_off()
+        solid.set_box_aspect(tuple(np.ptp(surface.points, axis=0)), zoom=ZOOM)
+        # what is visible is decided here, not by the middles of lines and triangles
+        solid.computed_zorder = False
         for mask in recording.patches.values():
             lines = _visible_outline(recording, mask, viewpoint)
-            solid.add_collection3d(Line3DCollection(lines, colors=OUTLINE, linewidths=1.2))
+            outline = Line3DCollection(lines, colors=OUTLINE, linewidths=1.3, zorder=2)
+            solid.add_collection3d(outline)
         axes: Axes = solid
         return axes
     (flat,) = flat_views(recording.surface)

@@ -9,21 +9,27 @@ from matplotlib.figure import Figure
 from cardiosurf.config import overlay
 from cardiosurf.config.page import Figure as PaperFigure
 from cardiosurf.recording.hdf5 import read_recording
-from cardiosurf.report.canvas import save_small
+from cardiosurf.report.canvas import save
 from cardiosurf.report.critical_plots import critical_plot, entrance_plot
 from cardiosurf.report.kept import Kept, Row, SearchRows
+from cardiosurf.report.markdown import stem_of
 from cardiosurf.report.panels import Moments, snapshots
 from cardiosurf.study.folder import RECORDING
 from cardiosurf.study.reproduction import Work, run_case
 from cardiosurf.study.results import ASKED, asked_hash, current
 from cardiosurf.study.wanted import Wanted
 
-DOTS_PER_INCH = 80
+DOTS_PER_INCH = 72
 
 
 def image_name(name: str) -> str:
-    """Return the file name of the image of a result: slashes become underscores."""
-    return f"{name.replace('/', '_')}.png"
+    """Return the file name of the image of a result."""
+    return f"{stem_of(name)}.png"
+
+
+def _save(figure: Figure, images: Path, name: str) -> None:
+    """Write an image, coarse: the page has many."""
+    save(figure, images / stem_of(name), ("png",), dots_per_inch=DOTS_PER_INCH)
 
 
 def update_images(kept: Kept, images: Path, work: Work) -> None:
@@ -64,7 +70,7 @@ def _draw(wanted: Wanted, figure: PaperFigure, images: Path, work: Work) -> None
     moments = Moments(figure.moments, [f"T = {time:g}" for time in figure.times])
     title = f"{wanted.file.scenario.name} / {wanted.ready.case.name} ({figure.label})"
     drawn = snapshots(read_recording(folder / RECORDING), moments, title, figure.view)
-    save_small(drawn, images / image_name(wanted.name), DOTS_PER_INCH)
+    _save(drawn, images, wanted.name)
     entry = {
         ASKED: wanted.asked,
         "edge_length": done.meta["edge_length"],
@@ -100,6 +106,6 @@ def _plot(
     path = images / image_name(name)
     if path.exists() and current(work.results.read("figures").get(name), asked):
         return
-    save_small(draw(), path, DOTS_PER_INCH)
+    _save(draw(), images, name)
     work.results.keep("figures", name, {ASKED: asked})
     work.say(f"{name}: drawn")

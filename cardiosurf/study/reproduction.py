@@ -92,6 +92,10 @@ def bring_up_to_date(
     KeyboardInterrupt
         It was stopped; the same call goes on.
     """
+    # what is wrong with a search need not wait for all that is run before it
+    for one in wanted_thresholds(files):
+        _plan(one, work)
+        against_of(one)
     names = [file.scenario.name for file in files]
     updates: tuple[tuple[Kind, _Wanting, _Updating], ...] = (
         ("cases", wanted_cases, update_cases),
@@ -150,13 +154,8 @@ def update_thresholds(files: Sequence[ScenarioFile], work: Work) -> None:
     KeyboardInterrupt
         It was stopped; the same call goes on.
     """
-    # what is wrong with a later search need not wait for the earlier ones
-    planned = [(one, _plan(one, work)) for one in wanted_thresholds(files)]
-    missing = {one.name for one in work.missing("thresholds", [one for one, _ in planned])}
-    for one, plan in planned:
-        if one.name not in missing:
-            continue
-        found = find_threshold(plan, work.store, workers=work.workers)
+    for one in work.missing("thresholds", wanted_thresholds(files)):
+        found = find_threshold(_plan(one, work), work.store, workers=work.workers)
         data = found.to_json()
         data["runs"] = len(found.runs)
         entry: Entry = {ASKED: one.asked, "against": against_of(one), **data}
