@@ -30,6 +30,8 @@ BEFORE = FRONT_WIDTH
 """How far before the patch the front is looked at, in su."""
 RADIUS = 8.0
 """Of the neighbourhood that is fitted, in su; at least 2.5 edge lengths."""
+HEAD_ON = np.radians(15.0)
+"""Largest angle of incidence at which a front counts as meeting the patch head on."""
 NEAREST = 0.5
 """What of that way no neighbourhood goes beyond."""
 GRAZING = 0.1
@@ -73,6 +75,29 @@ class Profile:
     length: float
     start: Floats
     end: Floats
+
+
+def head_on_length(position: Floats, angle: Floats, length: float) -> float:
+    """Return how much of a piece of an entrance the front meets head on, in su.
+
+    Each place stands for the entrance half way to its neighbours, the first and last for what is
+    beyond them.
+
+    Parameters
+    ----------
+    position, angle : (k,) float
+        As in a Profile; NaN is not head on.
+    length : float
+        Of the piece, in su.
+    """
+    if not len(position):
+        return 0.0
+    # several places may enter at the same point of the edge
+    at, own = np.unique(position, return_inverse=True)
+    within = np.abs(angle) <= HEAD_ON
+    share = np.bincount(own, weights=within) / np.bincount(own)
+    limits = np.concatenate(([0.0], 0.5 * (at[1:] + at[:-1]), [length]))
+    return float(share @ np.diff(limits))
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from cardiosurf.analysis.entrance import head_on_length
 from cardiosurf.config.scenario_file import ScenarioFile
 from cardiosurf.report.critical_plots import numbers, piece_name
 from cardiosurf.report.kept import Row, SearchRows
@@ -83,7 +84,7 @@ def _entrances(group: SearchRows, file: ScenarioFile, images: str) -> list[str]:
         "entrance",
         "met from [tu]",
         "angle there [deg]",
-        "mean abs(angle) [deg]",
+        "met within 15 deg [su]",
         "curvature there [1/su]",
         "mean curvature [1/su]",
     )
@@ -105,13 +106,15 @@ def _fronts(row: Row) -> Iterator[list[str]]:
         if not np.isfinite(lat).any():
             continue
         first = int(np.nanargmin(lat))
+        position, radians = numbers(piece["position"]), numbers(piece["angle"])
+        head_on = head_on_length(position, radians, piece["length"])
         yield [
             against,
             entry["verdict"],
             piece_name(piece),
             f"{lat[first]:.0f}",
             f"{angle[first]:+.0f}",
-            f"{np.nanmean(np.abs(angle)):.0f}",
+            f"{head_on:.0f} of {piece['length']:.0f}",
             f"{curvature[first]:+.4f}",
             f"{np.nanmean(curvature):+.4f}",
         ]

@@ -135,7 +135,9 @@ def _pairs(kept: Kept) -> list[str]:
 def _scenario(kept: Kept, file: ScenarioFile, images: str) -> list[str]:
     """Return the section of a scenario: its question, and the paper's figures of its cases."""
     scenario = file.scenario
-    lines = [f"## {scenario.name}", "", f"{scenario.question} ({scenario.source})".strip(), ""]
+    source = f"({scenario.source})" if scenario.source else ""
+    about = " ".join(part for part in (scenario.question, source) if part)
+    lines = [f"## {scenario.name}", "", *([about, ""] if about else [])]
     if scenario.answer and not scenario.searches:
         lines += [scenario.answer, ""]
     for row in kept.cases_of(file):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cardiosurf.analysis.entrance import BEFORE, entrance_profiles
+from cardiosurf.analysis.entrance import BEFORE, HEAD_ON, entrance_profiles, head_on_length
 from cardiosurf.analysis.route import Map
 from cardiosurf.geometry import build_surface
 from cardiosurf.geometry.plane import Plane
@@ -126,3 +126,26 @@ def test_two_waves_that_collide_before_the_edge_have_no_angle_there(plane):
 def test_a_patch_that_the_wave_does_not_meet_has_no_entrance(plane):
     # it starts at the block's far end, and leaves the block by the line
     assert profiles(plane, plane.points[:, 0] + 60.0) == ()
+
+
+@pytest.mark.parametrize(("angle", "share"), [(0.1, 1.0), (-0.25, 1.0), (0.4, 0.0)])
+def test_a_plane_wave_meets_all_of_an_edge_head_on_or_nothing(plane, angle, share):
+    x, y, _ = plane.points.T
+    (found,) = profiles(plane, -np.cos(angle) * x + np.sin(angle) * y)
+    assert head_on_length(found.position, found.angle, found.length) == pytest.approx(120 * share)
+
+
+def test_a_circular_wave_meets_what_lies_within_15_degrees_head_on(plane):
+    far = 70.0
+    (found,) = profiles(plane, np.hypot(plane.points[:, 0] - (far - 20.0), plane.points[:, 1]))
+    # at 12 su before the edge rays within that angle have spread over 2 (far - 12) tan(15 deg)
+    exact = 2.0 * (far - BEFORE) * np.tan(HEAD_ON)
+    length = head_on_length(found.position, found.angle, found.length)
+    # each end is known to an edge length
+    assert length == pytest.approx(exact, abs=2.0 * EDGE)
+
+
+def test_where_no_front_came_nothing_is_met():
+    nowhere = np.array([np.nan, np.nan])
+    assert head_on_length(np.array([0.0, 5.0]), nowhere, 5.0) == 0.0
+    assert head_on_length(np.zeros(0), np.zeros(0), 5.0) == 0.0
