@@ -178,8 +178,8 @@ def test_fronts_are_read_where_they_come_first(files, tmp_path):
         "length": 10.0,
         "position": [0.0, 5.0, 10.0],
         "lat": [120.0, 110.0, None],
-        # pi/6 where the front comes first, pi/2 elsewhere: their mean is 60 degrees
-        "angle": [1.5707963, -0.5235988, None],
+        # 10 degrees where the front comes first, which stands for half of the 10 su; 90 elsewhere
+        "angle": [1.5707963, -0.1745329, None],
         "curvature": [0.03, 0.01, None],
         "speed": [0.2, 0.2, None],
     }
