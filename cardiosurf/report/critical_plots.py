@@ -112,14 +112,17 @@ def piece_name(piece: dict[str, list[float]]) -> str:
 
 
 def piece_names(rows: Sequence[Row]) -> list[str]:
-    """Return the pieces that some front reached, in the order of their names."""
-    found = {
-        piece_name(piece)
+    """Return the pieces that the front of every case reached, in the order of their names."""
+    reached = [
+        {
+            piece_name(piece)
+            for piece in row.entry["pieces"]
+            if any(lat is not None for lat in piece["lat"])
+        }
         for row in rows
-        for piece in (row.entry or {"pieces": []})["pieces"]
-        if any(lat is not None for lat in piece["lat"])
-    }
-    return sorted(found)
+        if row.entry is not None
+    ]
+    return sorted(set.intersection(*reached)) if reached else []
 
 
 def _mark_values(axes: Axes, group: SearchRows) -> None:
