@@ -29,8 +29,8 @@ from cardiosurf.study.wanted import (
 
 SCAN = 9
 STAGES: tuple[Kind, ...] = ("cases", "thresholds", "entrances")
-_OF_THIS_MACHINE = ("run", "reused", "change")
-"""What a check tells of a case that is no result."""
+_NOT_KEPT = ("run", "reused", "change", "published", "note")
+"""What a check tells of a case that is of this machine, of this call, or the scenario's."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ def update_cases(files: Sequence[ScenarioFile], work: Work) -> None:
     entries = work.results.read("cases")
     for case in found.cases:
         name = f"{case.scenario}/{case.case}"
-        data = {key: value for key, value in case_json(case).items() if key not in _OF_THIS_MACHINE}
+        data = {key: value for key, value in case_json(case).items() if key not in _NOT_KEPT}
         entries[name] = {ASKED: missing[name].asked, **data}
     work.results.write("cases", entries)
 
