@@ -77,7 +77,9 @@ class Profile:
     end: Floats
 
 
-def head_on_length(position: Floats, angle: Floats, length: float) -> float:
+def head_on_length(
+    position: Floats, angle: Floats, length: float, within: float = HEAD_ON
+) -> float:
     """Return how much of a piece of an entrance the front meets head on, in su.
 
     Each place stands for the entrance half way to its neighbours, the first and last for what is
@@ -89,13 +91,14 @@ def head_on_length(position: Floats, angle: Floats, length: float) -> float:
         As in a Profile; NaN is not head on.
     length : float
         Of the piece, in su.
+    within : float
+        Largest angle of incidence that counts, in radians.
     """
     if not len(position):
         return 0.0
     # several places may enter at the same point of the edge
     at, own = np.unique(position, return_inverse=True)
-    within = np.abs(angle) <= HEAD_ON
-    share = np.bincount(own, weights=within) / np.bincount(own)
+    share = np.bincount(own, weights=np.abs(angle) <= within) / np.bincount(own)
     limits = np.concatenate(([0.0], 0.5 * (at[1:] + at[:-1]), [length]))
     return float(share @ np.diff(limits))
 

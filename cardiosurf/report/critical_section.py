@@ -8,6 +8,7 @@ import numpy as np
 from cardiosurf.analysis.entrance import head_on_length
 from cardiosurf.config.scenario_file import ScenarioFile
 from cardiosurf.report.critical_plots import numbers, piece_name
+from cardiosurf.report.front_measures import MEASURES, correlations
 from cardiosurf.report.kept import Row, SearchRows
 from cardiosurf.report.markdown import image_file, table
 from cardiosurf.report.threshold_lines import with_error
@@ -40,7 +41,7 @@ def search_section(group: SearchRows, images: str) -> list[str]:
     lines.append("")
     for file, _ in group.searches:
         lines += _entrances(group, file, images)
-    return lines
+    return lines + _measures(group)
 
 
 def _threshold(row: Row) -> list[str]:
@@ -84,6 +85,7 @@ def _entrances(group: SearchRows, file: ScenarioFile, images: str) -> list[str]:
         "entrance",
         "met from [tu]",
         "angle there [deg]",
+        "mean abs(angle) [deg]",
         "met within 15 deg [su]",
         "curvature there [1/su]",
         "mean curvature [1/su]",
@@ -91,11 +93,40 @@ def _entrances(group: SearchRows, file: ScenarioFile, images: str) -> list[str]:
     return [*lines, *table(heads, [line for row in rows for line in _fronts(row)]), ""]
 
 
+def _measures(group: SearchRows) -> list[str]:
+    """Return how every measure of the front goes with the critical values, reading by reading."""
+    found = {
+        file.scenario.name: correlations(
+            group.of(file, group.thresholds), group.of(file, group.entrances)
+        )
+        for file, search in group.searches
+        if search.entrance is not None
+    }
+    shown = {
+        name: every for name, every in found.items() if not np.isnan(list(every.values())).all()
+    }
+    if not shown:
+        return []
+    rows = [
+        [measure, *(_signed(every[measure]) for every in shown.values())] for measure in MEASURES
+    ]
+    text = (
+        f"Rank correlation with the critical values of {len(MEASURES)} measures of the front at the"
+        " entrance that is met first, all that were tried. They were thought of after the critical"
+        " values were known, and there are few sites: the largest numbers are no test of anything."
+    )
+    return ["### No measure left out", "", text, "", *table(("measure", *shown), rows), ""]
+
+
+def _signed(value: float) -> str:
+    return "-" if np.isnan(value) else f"{value:+.2f}"
+
+
 def _fronts(row: Row) -> Iterator[list[str]]:
     """Yield a line for each piece of an entrance that the front came to."""
     entry = row.entry
     if entry is None:
-        yield [row.wanted.ready.case.name, MISSING, *["-"] * 6]
+        yield [row.wanted.ready.case.name, MISSING, *["-"] * 7]
         return
     against = row.wanted.ready.case.name
     if entry["against"] is not None:
@@ -114,6 +145,7 @@ def _fronts(row: Row) -> Iterator[list[str]]:
             piece_name(piece),
             f"{lat[first]:.0f}",
             f"{angle[first]:+.0f}",
+            f"{np.nanmean(np.abs(angle)):.0f}",
             f"{head_on:.0f} of {piece['length']:.0f}",
             f"{curvature[first]:+.4f}",
             f"{np.nanmean(curvature):+.4f}",

@@ -7,9 +7,12 @@ import pytest
 from recording_samples import sample_recording
 
 from cardiosurf.errors import InputError
-from cardiosurf.geometry import build_surface
+from cardiosurf.geometry import SHAPES, build_surface
 from cardiosurf.geometry.sphere import Sphere
+from cardiosurf.recording.recording import Events, FrameSeries
 from cardiosurf.report.panels import Moments, _visible_outline, frame_at, snapshots
+from cardiosurf.tissue.patches import patch_key
+from cardiosurf.tissue.tensor import Tissue
 
 
 def test_each_time_has_its_panel_and_the_map_comes_last():
@@ -55,3 +58,31 @@ def test_only_the_side_of_a_sphere_that_is_turned_to_the_viewer_has_an_outline()
     length = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).sum()
     # two half circles; the rims follow the triangles and are longer by up to a third
     assert whole <= length <= 1.45 * whole
+
+
+@pytest.mark.parametrize("kind", ["torus", "atrium", "sphere"])
+def test_closed_shapes_are_seen_in_space_and_their_map_unrolled(kind):
+    surface = build_surface(SHAPES[kind](), 16.0, {})
+    count, vertices = len(surface.triangles), len(surface.points)
+    x = surface.points[:, 0]
+    reached = np.flatnonzero(x > x.min() + 20.0)
+    u = np.linspace(0.0, 1.0, vertices)[None, :].repeat(3, axis=0).astype(np.float32)
+    middle = surface.points[surface.triangles].mean(axis=1)
+    surface = replace(surface, regions={patch_key("strip"): middle[:, 2] > 0.0})
+    recording = replace(
+        sample_recording(kind),
+        surface=surface,
+        tissue=Tissue(
+            np.tile(np.eye(3), (count, 1, 1)),
+            np.ones(count, bool),
+            ("strip",),
+            np.zeros(count, int),
+        ),
+        targets={},
+        pulses=(),
+        activations=Events(reached, 5.0 * (x.max() - x[reached])),
+        frames=FrameSeries(np.array([0.0, 100.0, 200.0]), u, u),
+    )
+    figure = snapshots(recording, Moments((100.0,), ("T = 10",)), kind)
+    names = [axes.name for axes in figure.axes if axes.get_title()]
+    assert names == ["3d", "rectilinear"]

@@ -188,7 +188,7 @@ def test_fronts_are_read_where_they_come_first(files, tmp_path):
     results = Results(tmp_path / "results")
     results.keep("entrances", wanted.name, entry)
     text = page(files, results.folder)
-    front = "(25, 0, 0) to (25, 10, 0) | 110 | -10 | 5 of 10 | +0.0100 | +0.0200"
+    front = "(25, 0, 0) to (25, 10, 0) | 110 | -10 | 50 | 5 of 10 | +0.0100 | +0.0200"
     assert f"| 80 | block | {front} |" in text
     # the piece that no front came to has no line
     assert "(25, 9, 0)" not in text
