@@ -54,7 +54,8 @@ def critical_plot(group: SearchRows) -> Figure:
     axes.set_xlabel(axis)
     axes.set_ylabel(f"critical {group.searches[0][1].vary.split('.')[-1]}")
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=8)
+    # nothing may hide a value
+    figure.legend(loc="outside lower center", ncols=3, fontsize=8)
     return figure
 
 

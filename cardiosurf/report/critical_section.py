@@ -37,7 +37,10 @@ def search_section(group: SearchRows, images: str) -> list[str]:
     rows = [
         _threshold(row) for file, _ in group.searches for row in group.of(file, group.thresholds)
     ]
-    lines += [f"Critical value of `{search.vary}`, asked for {search.of}:", "", *table(heads, rows)]
+    about = (
+        f"Critical value of `{search.vary}`, asked for {search.of} (open symbols: not converged):"
+    )
+    lines += [about, "", *table(heads, rows)]
     lines.append("")
     for file, _ in group.searches:
         lines += _entrances(group, file, images)
