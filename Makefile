@@ -6,7 +6,8 @@ PEERS  := .venv-peers
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help install run sweep verdicts test test-slow bench roofline figures check format clean
+.PHONY: help install run sweep verdicts thresholds reproduction test test-slow bench roofline
+.PHONY: figures check format clean
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -32,6 +33,12 @@ sweep: $(STAMP)  ## map what a scenario varies: SCENARIO=scenarios/x.yaml [JOBS=
 
 verdicts: $(STAMP)  ## all scenarios against what is expected of them: [FAST=1] [JOBS=2]
 	$(BIN)/cardiosurf check scenarios $(if $(FAST),--fast) $(if $(JOBS),--workers $(JOBS))
+
+thresholds: $(STAMP)  ## critical values of all scenarios that are not in docs/results yet: [JOBS=2]
+	$(BIN)/cardiosurf reproduce scenarios --only thresholds $(if $(JOBS),--workers $(JOBS))
+
+reproduction: $(STAMP)  ## docs/reproduction.md from docs/results; what is missing is run: [JOBS=2]
+	$(BIN)/cardiosurf reproduce scenarios $(if $(JOBS),--workers $(JOBS))
 
 test: $(STAMP)  ## the everyday tests, under 3 minutes
 	$(BIN)/python -m pytest -m "not slow" -n 2

@@ -109,10 +109,32 @@ def entrance_weights(activation: Map, inside: Mask) -> Floats:
     (n,) float
         Half the length of the adjoining entrance edges, in su; 0 off the entrance.
     """
+    edges = entrance_edges(activation, inside)
+    sides = activation.points[edges[:, 1]] - activation.points[edges[:, 0]]
+    halves = np.repeat(0.5 * np.linalg.norm(sides, axis=1), 2)
+    weights = np.bincount(edges.ravel(), weights=halves, minlength=len(activation.points))
+    return weights.astype(np.float64)
+
+
+def entrance_edges(activation: Map, inside: Mask, cosine: float = ENTRANCE_COSINE) -> Ints:
+    """Return the edges at which the unperturbed wave enters a set of triangles.
+
+    Parameters
+    ----------
+    activation : Map
+        The surface and the unperturbed wave.
+    inside : (m,) bool
+        The set.
+    cosine : float
+        Of the largest angle between the wave's direction and the inward normal.
+
+    Returns
+    -------
+    (k, 2) int
+        Vertex numbers.
+    """
     points, triangles = activation.points, activation.triangles
     edges, owner = edges_of(triangles, inside, activation.excitable & ~inside)
-    if len(edges) == 0:
-        return np.zeros(len(points))
     along = points[edges[:, 1]] - points[edges[:, 0]]
     squared = np.einsum("ij,ij->i", along, along)
     inward = points[triangles[owner]].mean(axis=1) - points[edges[:, 0]]
@@ -120,10 +142,8 @@ def entrance_weights(activation: Map, inside: Mask) -> Floats:
     inward /= np.linalg.norm(inward, axis=1)[:, None]
     gradient = triangle_gradients(points, triangles[owner], activation.unperturbed)
     steepness = np.linalg.norm(gradient, axis=1)
-    enters = np.einsum("ij,ij->i", gradient, inward) > ENTRANCE_COSINE * steepness
-    halves = np.repeat(0.5 * np.sqrt(squared[enters]), 2)
-    weights = np.bincount(edges[enters].ravel(), weights=halves, minlength=len(points))
-    return weights.astype(np.float64)
+    enters = np.einsum("ij,ij->i", gradient, inward) > cosine * steepness
+    return np.asarray(edges[enters])
 
 
 def route_into(activation: Map, inside: Mask) -> RouteFinding:

@@ -74,9 +74,9 @@ def check(
 
     count = sum(len(file.scenario.cases) for file in files) * (3 if guard else 1)
     how = How(fast=fast, guard=guard)
-    with _goes_on(), alone_in(output):
+    with goes_on(), alone_in(output):
         result = run_check(
-            files, output, how=how, workers=workers or _cores(), on_done=_counter(count)
+            files, output, how=how, workers=workers or cores(), on_done=_counter(count)
         )
         data = json.dumps(check_json(result), indent=2)
         _write(output / "check.json", data + "\n")
@@ -124,12 +124,12 @@ def sweep(
     from cardiosurf.study.lock import alone_in
     from cardiosurf.study.sweep import sweep as run_sweep
 
-    with _goes_on(), alone_in(folder):
+    with goes_on(), alone_in(folder):
         result = run_sweep(
             file,
             folder,
             fresh=not resume,
-            workers=workers or _cores(),
+            workers=workers or cores(),
             on_done=_counter(count),
         )
         _write(folder / "results.csv", csv_text(result))
@@ -146,7 +146,7 @@ def sweep(
 
 
 @contextmanager
-def _goes_on() -> Iterator[None]:
+def goes_on() -> Iterator[None]:
     """Say after Ctrl-C that nothing is lost."""
     try:
         yield
@@ -155,7 +155,7 @@ def _goes_on() -> Iterator[None]:
         raise
 
 
-def _cores() -> int:
+def cores() -> int:
     """Return how many cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 

@@ -76,6 +76,11 @@ class Document:
             value = _item(value, key)
         return tuple(path)
 
+    def value_at(self, dotted: str) -> object:
+        """Return the value at a dotted key path, None if the data do not have it."""
+        path = self.find(dotted)
+        return _at(self.data, path) if len(path) == len(dotted.split(".")) else None
+
     def placed(self, error: InputError) -> InputError:
         """Return the error with file and line (or option) before the key path it names."""
         # the mesher speaks of "region tissue.patches.block"

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 from annotated_types import Interval, MinLen
 from pydantic import Field
 
+from cardiosurf.config.page import Figure, Search
 from cardiosurf.config.schema import schema_of
 from cardiosurf.config.sections import Name
 from cardiosurf.sections import Section
@@ -62,6 +63,8 @@ class Case(Section):
         Tolerance of the numbers in ``expect`` that have none of their own.
     fast : Fast
         How ``check --fast`` runs this case, where it differs from the scenario's.
+    figures : tuple of Figure
+        The paper's figures of it, for the reproduction page.
     """
 
     name: Name
@@ -71,6 +74,7 @@ class Case(Section):
     note: str = ""
     tolerance: Tolerance | None = None
     fast: Fast | None = None
+    figures: tuple[Figure, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,6 +168,8 @@ class Scenario(Section):
         Where it was published.
     question : str
         What is asked.
+    answer : str
+        What was found, in words, for the reproduction page.
     base : str
         The config that all cases begin with, seen from the scenario's folder.
     set : mapping
@@ -172,6 +178,8 @@ class Scenario(Section):
         The runs that answer it; ``check`` compares them. Without any, ``sweep`` varies the base.
     pairs : tuple of Pair
         Cases that are two directions of one way.
+    searches : tuple of Search
+        Critical values that the reproduction page is to have.
     fast : Fast
         How ``check --fast`` runs the cases; without it, at their own resolution.
     parameters : mapping
@@ -187,10 +195,12 @@ class Scenario(Section):
     name: Name
     source: str = ""
     question: str = ""
+    answer: str = ""
     base: str
     set: Settings = field(default_factory=dict)
     cases: tuple[Case, ...] = ()
     pairs: tuple[Pair, ...] = ()
+    searches: tuple[Search, ...] = ()
     fast: Fast | None = None
     parameters: dict[str, dict[str, Number | Link]] = field(default_factory=dict)
     grid: dict[str, Values] = field(default_factory=dict)

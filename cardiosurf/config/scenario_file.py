@@ -12,6 +12,7 @@ from cardiosurf.config.expansion import Point, expand, expansion_problems
 from cardiosurf.config.expectation import Expectation, Reader
 from cardiosurf.config.loader import Loaded, load_document
 from cardiosurf.config.overrides import lay
+from cardiosurf.config.page import Search
 from cardiosurf.config.reader import read_document
 from cardiosurf.config.scenario import SCENARIO_KEYS, Case, Fast, Pair, Scenario
 from cardiosurf.errors import InputError
@@ -268,8 +269,12 @@ def _ways(pair: Pair) -> tuple[tuple[str, str, str], tuple[str, str, str]]:
 
 
 def _name_problems(document: Document, scenario: Scenario) -> Iterator[InputError]:
-    """Yield an error for names that are there twice, and for pairs of cases that are not there."""
-    sections: dict[str, Sequence[Case | Pair]] = {"cases": scenario.cases, "pairs": scenario.pairs}
+    """Yield an error for names that are there twice, and for cases that are named and not there."""
+    sections: dict[str, Sequence[Case | Pair | Search]] = {
+        "cases": scenario.cases,
+        "pairs": scenario.pairs,
+        "searches": scenario.searches,
+    }
     for section, items in sections.items():
         seen: set[str] = set()
         for number, item in enumerate(items):
@@ -278,10 +283,20 @@ def _name_problems(document: Document, scenario: Scenario) -> Iterator[InputErro
                 yield InputError(where, f"{item.name!r} is there twice", "names that differ")
             seen.add(item.name)
     cases = [case.name for case in scenario.cases]
+    for path, name in _named_cases(scenario):
+        if name not in cases:
+            guess = did_you_mean(name, cases)
+            problem = f"there is no case {name!r}" + (f", {guess}" if guess else "")
+            yield InputError(
+                document.where(path), problem, ", ".join(cases) or "there are no cases"
+            )
+
+
+def _named_cases(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
+    """Yield the cases that pairs and searches name, and where they do."""
     for number, pair in enumerate(scenario.pairs):
-        for key, name in (("forward", pair.forward), ("backward", pair.backward)):
-            if name not in cases:
-                guess = did_you_mean(name, cases)
-                problem = f"there is no case {name!r}" + (f", {guess}" if guess else "")
-                where = document.where(("pairs", number, key))
-                yield InputError(where, problem, ", ".join(cases) or "there are no cases")
+        yield ("pairs", number, "forward"), pair.forward
+        yield ("pairs", number, "backward"), pair.backward
+    for number, search in enumerate(scenario.searches):
+        for place, name in enumerate(search.cases):
+            yield ("searches", number, "cases", place), name

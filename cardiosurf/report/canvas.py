@@ -28,7 +28,13 @@ def new_figure(width: float, height: float, title: str, caption: str | None) -> 
     return figure
 
 
-def save(figure: Figure, stem: Path, formats: Sequence[str] = FORMATS) -> tuple[Path, ...]:
+def save(
+    figure: Figure,
+    stem: Path,
+    formats: Sequence[str] = FORMATS,
+    *,
+    dots_per_inch: int = DOTS_PER_INCH,
+) -> tuple[Path, ...]:
     """Write a figure as ``stem.png``, ``stem.svg``, ...; each file appears whole.
 
     Raises
@@ -47,6 +53,6 @@ def save(figure: Figure, stem: Path, formats: Sequence[str] = FORMATS) -> tuple[
             ),
             whole_file(path) as partial,
         ):
-            figure.savefig(partial, format=kind, dpi=DOTS_PER_INCH, metadata=metadata)
+            figure.savefig(partial, format=kind, dpi=dots_per_inch, metadata=metadata)
         written.append(path)
     return tuple(written)

@@ -12,6 +12,7 @@ from cardiosurf.report.table import table_lines
 from cardiosurf.study.check import CaseResult, CheckResult
 from cardiosurf.study.outcome import Compared
 from cardiosurf.study.pairs import PairResult
+from cardiosurf.study.results import case_json
 
 SCHEMA = "cardiosurf/check/1"
 _HEADS = (
@@ -86,7 +87,7 @@ def check_json(result: CheckResult) -> dict[str, Any]:
         "schema": SCHEMA,
         "agrees": result.exit_code == 0,
         "seconds": result.seconds,
-        "cases": [_case_json(case) for case in result.cases],
+        "cases": [case_json(case) for case in result.cases],
         "pairs": [asdict(pair) for pair in result.pairs],
     }
 
@@ -170,30 +171,6 @@ def _ending(result: CheckResult) -> str:
     cases = f"{len(result.cases)} case{'s' * (len(result.cases) != 1)}"
     text = ", ".join(f"{counts[status]} {word}" for status, word in words.items() if counts[status])
     return f"{cases}: {text or 'nothing to compare'} ({reused} reused, {result.seconds:.1f} s)"
-
-
-def _case_json(case: CaseResult) -> dict[str, Any]:
-    done, meta = case.done, case.done.meta
-    return {
-        "scenario": case.scenario,
-        "case": case.case,
-        "status": case.status,
-        "published": case.published,
-        "note": case.note,
-        "fast": case.coarsened,
-        "compared": [asdict(one) for one in case.compared],
-        "converged": case.converged,
-        "guard": asdict(case.guarded.finding) if case.guarded and case.guarded.finding else None,
-        "edge_length": meta.get("edge_length"),
-        "step": meta.get("step"),
-        "vertices": meta.get("vertices"),
-        "seconds": done.seconds,
-        "reused": done.reused,
-        "error": {"kind": done.kind, "text": done.error} if done.kind else None,
-        "change": asdict(case.change) if case.change else None,
-        "run": str(case.folder),
-        "verdict": done.verdict,
-    }
 
 
 def _expected(one: Compared) -> str:

@@ -36,7 +36,7 @@ def activation_map(recording: Recording, *, caption: str | None = None) -> Figur
         A line below the run's name, usually the verdict.
     """
     surface = recording.surface
-    norm = _lat_norm(recording)
+    norm = lat_norm(recording)
     flat, solid = flat_views(surface), viewpoints(surface)
     columns = len(flat) + len(solid)
     width = 7.4 if columns == 1 else 6.4 + 5.0 * len(solid)
@@ -69,7 +69,7 @@ def vein_unrolled(recording: Recording, *, caption: str | None = None) -> Figure
     """
     if not has_vein(recording.surface):
         raise InputError(recording.name, "has no vein to unroll", "a surface with a part vein")
-    norm = _lat_norm(recording)
+    norm = lat_norm(recording)
     figure = new_figure(8.4, 5.2, recording.name, caption)
     legend = _draw_map(figure.add_subplot(), unrolled_vein(recording.surface), recording, norm)
     _finish(figure, norm, "LAT, first activation [tu]", legend)
@@ -197,7 +197,7 @@ def _makers(
     return makers
 
 
-def _lat_norm(recording: Recording) -> Normalize:
+def lat_norm(recording: Recording) -> Normalize:
     """Return the range of colours: from the first to the last LAT on the whole surface."""
     lat: Floats = recording.first_activation
     if not np.isfinite(lat).any():

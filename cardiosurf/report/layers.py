@@ -68,7 +68,9 @@ def draw_never(axes: Axes, view: View, values: Floats) -> Mask:
     return np.asarray(whole)
 
 
-def draw_field(axes: Axes, view: View, values: Floats, norm: Normalize) -> bool:
+def draw_field(
+    axes: Axes, view: View, values: Floats, norm: Normalize, colours: str = COLOURS
+) -> bool:
     """Colour a view by a smooth field (n,); grey where it is NaN. Returns whether any is grey."""
     whole = draw_never(axes, view, values)
     if whole.any():
@@ -76,7 +78,7 @@ def draw_field(axes: Axes, view: View, values: Floats, norm: Normalize) -> bool:
             _triangulation(view, hidden=np.logical_not(whole)),
             np.nan_to_num(values[view.vertex_of]),
             shading="gouraud",
-            cmap=COLOURS,
+            cmap=colours,
             norm=norm,
             rasterized=True,
         )

@@ -30,7 +30,11 @@ def viewpoints(surface: Surface) -> tuple[tuple[float, float], ...]:
 
 
 def triangle_colours(
-    surface: Surface, values: Floats, norm: Normalize, viewpoint: tuple[float, float]
+    surface: Surface,
+    values: Floats,
+    norm: Normalize,
+    viewpoint: tuple[float, float],
+    colours: str = COLOURS,
 ) -> Floats:
     """Return the shaded colour of each triangle, (m, 3); grey where the field (n,) is NaN."""
     corners = surface.points[surface.triangles]
@@ -42,9 +46,9 @@ def triangle_colours(
     shade = 0.75 + 0.25 * np.abs(normals @ sun)[:, None]
     middle = values[surface.triangles].mean(axis=1)
     known = np.isfinite(middle)
-    colours = np.tile(to_rgb(NEVER), (len(middle), 1))
-    colours[known] = colormaps[COLOURS](norm(middle[known]))[:, :3]
-    return np.asarray(colours * shade)
+    found = np.tile(to_rgb(NEVER), (len(middle), 1))
+    found[known] = colormaps[colours](norm(middle[known]))[:, :3]
+    return np.asarray(found * shade)
 
 
 def draw_solid(
