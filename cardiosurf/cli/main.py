@@ -27,6 +27,7 @@ _COMMANDS = {
     "sweep": "cardiosurf.cli.study:sweep",
     "threshold": "cardiosurf.cli.threshold:threshold",
     "reproduce": "cardiosurf.cli.reproduce:reproduce",
+    "discrete": "cardiosurf.cli.discrete:discrete",
 }
 
 _EPILOG = """
