@@ -104,66 +104,80 @@ def play(
 
 
 class _State:
-    """Charges, what is left to give, and who is refractory until when."""
+    """Charges, what is left to give, and who is refractory until when.
+
+    Only the links of giving units are looked at, so an event costs what the front is long.
+    """
 
     def __init__(self, network: Network, rule: Rule, refuse: Mask | None) -> None:
         n = network.count
-        self.network, self.rule, self.now = network, rule, 0.0
+        self.rule, self.now = rule, 0.0
+        order = np.argsort(network.sources, kind="stable")
+        self.targets, self.speeds = network.targets[order], network.speeds[order]
+        self.costs = network.costs[order]
+        self.counts = np.bincount(network.sources, minlength=n)
+        self.starts = np.concatenate([[0], np.cumsum(self.counts)])
         self.charge, self.left = np.zeros(n), np.zeros(n)
-        self.giving = np.zeros(n, dtype=np.bool_)
+        self.giving = np.zeros(0, dtype=np.int64)
         self.ready = np.full(n, -np.inf)
         if refuse is not None:
             self.ready[refuse] = np.inf
         self.failures = np.zeros(n, dtype=np.int64)
+        self.charged = np.zeros(0, dtype=np.int64)
         self.log: list[tuple[float, Ints]] = []
 
     def excite(self, units: Ints) -> None:
         """Excite units now."""
         self.log.append((self.now, units))
         self.ready[units] = self.now + self.rule.refractory
-        self.charge[units], self.left[units], self.giving[units] = 0.0, self.rule.n_max, True
+        self.charge[units], self.left[units] = 0.0, self.rule.n_max
+        self.giving = np.concatenate([self.giving, units])
 
     def step(self) -> bool:
         """Go on to the next event; return whether there was one."""
-        live = self._live()
-        if len(live) == 0:
+        sources, links, recovery = self._live()
+        if len(links) == 0:
             return False
-        sources, targets = self.network.sources[live], self.network.targets[live]
-        n = self.network.count
-        rates = self.network.speeds[live] / np.bincount(sources, minlength=n)[sources]
-        gain = np.bincount(targets, weights=rates, minlength=n)
-        loss = np.bincount(sources, weights=rates * self.network.costs[live], minlength=n)
-        charged, spending = np.unique(targets), np.unique(sources)
-        waits = self.ready[np.isfinite(self.ready) & (self.ready > self.now + SAME)] - self.now
+        spending, of_source, shares = np.unique(sources, return_inverse=True, return_counts=True)
+        charged, of_target = np.unique(self.targets[links], return_inverse=True)
+        rates = self.speeds[links] / shares[of_source]
+        gain = np.bincount(of_target, weights=rates)
+        loss = np.bincount(of_source, weights=rates * self.costs[links])
+        missing = 1.0 - self.charge[charged]
         step = min(
-            float(((1.0 - self.charge) / np.where(gain > 0, gain, 1.0))[charged].min()),
-            float((self.left[spending] / loss[spending]).min()),
-            float(waits.min()) if len(waits) else np.inf,
+            float((missing / gain).min()), float((self.left[spending] / loss).min()), recovery
         )
         self.now += step
-        self.charge += step * gain
-        self.left -= step * loss
-        self.giving[spending[self.left[spending] <= SAME]] = False
+        self.charge[charged] += step * gain
+        self.left[spending] -= step * loss
+        self.giving = spending[self.left[spending] > SAME]
         fired = charged[self.charge[charged] >= 1.0 - SAME]
         if len(fired):
             self.excite(fired)
-        self._fail()
+        self._fail(charged)
         return True
 
-    def _live(self) -> Ints:
-        """Return the links from giving to resting units; end the sources that have none."""
-        network = self.network
-        resting = self.ready <= self.now + SAME
-        live = np.flatnonzero(self.giving[network.sources] & resting[network.targets])
-        self.giving[:] = False
-        self.giving[network.sources[live]] = True
-        return live
+    def _live(self) -> tuple[Ints, Ints, float]:
+        """Return the links from giving to resting units, and in what time another one recovers.
 
-    def _fail(self) -> None:
+        A giving unit that faces no resting one is done.
+        """
+        counts = self.counts[self.giving]
+        ends = np.cumsum(counts)
+        within = np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - counts, counts)
+        links = np.repeat(self.starts[self.giving], counts) + within
+        sources = np.repeat(self.giving, counts)
+        wait = self.ready[self.targets[links]] - self.now
+        resting = wait <= SAME
+        self.giving = np.unique(sources[resting])
+        return sources[resting], links[resting], float(wait[~resting].min(initial=np.inf))
+
+    def _fail(self, charged: Ints) -> None:
         """Give up the charged units that nobody charges any more."""
-        fed = np.zeros(self.network.count, dtype=np.bool_)
-        fed[self.network.targets[self._live()]] = True
-        lost = np.flatnonzero((self.charge > 0.0) & ~fed)
+        fed = self.targets[self._live()[1]]
+        held = np.union1d(self.charged, charged)
+        lost = np.setdiff1d(held[self.charge[held] > 0.0], fed)
+        self.charged = np.intersect1d(held, fed)
         self.charge[lost] = 0.0
         self.failures[lost] += 1
         if self.rule.failed == "refractory":
@@ -173,6 +187,6 @@ class _State:
         """Return what happened."""
         times = np.concatenate([np.full(len(units), at) for at, units in self.log])
         units = np.concatenate([units for _, units in self.log])
-        first = np.full(self.network.count, np.nan)
+        first = np.full(len(self.ready), np.nan)
         first[units[::-1]] = times[::-1]
         return Play(times, units, first, self.failures, self.now)

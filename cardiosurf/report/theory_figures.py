@@ -1,6 +1,7 @@
 """The paper's theoretical figures drawn again from the general code (``make figures``).
 
-relpv1 and relpv2 (section 5.4, Case II), planeani2A and sphereani2A (Appendix C).
+relpv1 and relpv2 (section 5.4, Case II), planeani2A and sphereani2A (Appendix C); and what is
+drawn elsewhere: the discrete model of Appendix B, geodesics of the vein.
 """
 
 import sys
@@ -23,6 +24,8 @@ from cardiosurf.geometry.jets import Jet, constant, log
 from cardiosurf.geometry.nets import FlatNet, Net, nets_of, vein_net
 from cardiosurf.geometry.sphere import Sphere
 from cardiosurf.report.canvas import INK, new_figure, save
+from cardiosurf.report.discrete_figure import stopping
+from cardiosurf.report.geodesic_figure import geodesics
 
 RATIOS = {0.5: "#0072b2", 1.0: INK, 2.0: "#d55e00"}
 """r/R of the curves and their colours; the paper gives numbers for 1."""
@@ -191,6 +194,8 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "relpv2": relpv2,
     "planeani2a": planeani2a,
     "sphereani2a": sphereani2a,
+    "discrete": stopping,
+    "geodesics": geodesics,
 }
 
 
