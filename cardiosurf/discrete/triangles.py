@@ -55,15 +55,17 @@ def units_of(surface: Surface, tissue: Tissue, *, loads: bool = True) -> Units:
     step = middles[target] - middles[source]
     length = np.linalg.norm(step, axis=1)
     spacing = float(length.mean())
-    along = [_along(tissue.tensor[end], step / length[:, None]) for end in (source, target)]
+    along = [
+        _along(tissue.tensor[end], surface.frame[end], step) for end in (source, target)
+    ]
     speeds, costs = link_factors(along[0], along[1], loads=loads)
     pairs = np.stack([source, target], axis=1)
     network = linked(len(surface.triangles), pairs, speeds * spacing / length, costs)
     return Units(network, ~tissue.excitable, spacing)
 
 
-def _along(tensor: Floats, direction: Floats) -> Floats:
-    """Return the diffusivity along unit vectors, those nearly in the triangles' planes."""
-    within = np.einsum("ei,eij,ej->e", direction, tensor, direction)
-    # the line between the centroids of two triangles leaves both planes a little
-    return np.asarray(np.maximum(within, 1e-12))
+def _along(tensor: Floats, frame: Floats, step: Floats) -> Floats:
+    """Return the diffusivity along steps, (e,), as they lie in each triangle's own plane."""
+    within = np.einsum("eai,ei->ea", frame, step)
+    along = np.einsum("ei,eij,ej->e", step, tensor, step)
+    return np.asarray(along / (within**2).sum(axis=1))

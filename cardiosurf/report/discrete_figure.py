@@ -100,7 +100,7 @@ def _block(axes: Axes) -> None:
     axes.plot([-side, side, side, -side, -side], [-side, -side, side, side, -side], color=INK)
     axes.set_aspect("equal")
     axes.set_title(
-        f"a block of fibres (up and down, anisotropy {ANISOTROPY:g} as load), wave from above",
+        f"fibres up and down, anisotropy {ANISOTROPY:g} as load; wave from above",
         fontsize=9,
     )
     axes.set_axis_off()

@@ -15,7 +15,7 @@ RIM = 0.5 * np.pi
 AWAY = "#0072b2"
 STARTS = (0.25, 0.6, 0.95, 1.25, 1.45)
 """Where geodesics are started along a circle."""
-SPANS = (0.25, 0.5, 0.75, 1.0, 1.5)
+SPANS = (0.25, 0.5, 0.75, 1.0)
 """How far apart in phi two points of the root are, over pi."""
 RATIOS = {0.5: AWAY, 1.0: INK, 2.0: STIMULUS}
 
