@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -49,7 +49,7 @@ def discrete(
     *,
     n_max: float,
     refractory: float,
-    failed: str,
+    failed: Literal["refractory", "rest"],
     anisotropy: str,
     as_json: bool,
 ) -> None:
@@ -72,8 +72,7 @@ def discrete(
     from cardiosurf.discrete.play import Rule
     from cardiosurf.study.discrete_game import play_config
 
-    kept = "rest" if failed == "rest" else "refractory"
-    rule = Rule(n_max=n_max, refractory=refractory, failed=kept)
+    rule = Rule(n_max=n_max, refractory=refractory, failed=failed)
     with loaded.naming_lines():
         game = play_config(loaded.config, rule, loads=anisotropy == "load")
     click.echo(json.dumps(game.to_json(), indent=2) if as_json else "\n".join(_lines(game)))

@@ -95,7 +95,9 @@ def play(
     """
     first = np.unique(np.asarray(initial, dtype=np.int64))
     if len(first) == 0 or first[0] < 0 or first[-1] >= network.count:
-        raise InputError("initial", "no unit, or one that is not there", f"0 to {network.count - 1}")
+        raise InputError(
+            "initial", "no unit, or one that is not there", f"0 to {network.count - 1}"
+        )
     state = _State(network, rule, refuse)
     state.excite(first)
     while state.now < most and state.step():

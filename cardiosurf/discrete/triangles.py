@@ -55,9 +55,7 @@ def units_of(surface: Surface, tissue: Tissue, *, loads: bool = True) -> Units:
     step = middles[target] - middles[source]
     length = np.linalg.norm(step, axis=1)
     spacing = float(length.mean())
-    along = [
-        _along(tissue.tensor[end], surface.frame[end], step) for end in (source, target)
-    ]
+    along = [_along(tissue.tensor[end], surface.frame[end], step) for end in (source, target)]
     speeds, costs = link_factors(along[0], along[1], loads=loads)
     pairs = np.stack([source, target], axis=1)
     network = linked(len(surface.triangles), pairs, speeds * spacing / length, costs)

@@ -6,6 +6,7 @@ Metric and symbols are those of ``nets``, so nothing here is meshed.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy
@@ -116,7 +117,8 @@ def geodesic(
     if not found.success:
         raise NumericalError(f"a geodesic breaks down: {found.message}", "a start off the pole")
     s = np.linspace(0.0, found.t[-1], count)
-    values = found.sol(s).T
+    solution: Any = found.sol
+    values = solution(s).T
     return Geodesic(s, values[:, :2], values[:, 2:])
 
 
@@ -172,4 +174,3 @@ class _Leaving:
 
     def __call__(self, _: float, now: Floats) -> float:
         return float(now[0] - self.limit)
-

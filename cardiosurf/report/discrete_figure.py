@@ -78,11 +78,13 @@ def _layers(axes: Axes, title: str, layers: Layers) -> None:
     widths = np.where(network.speeds > 1.0, 2.2, 0.5)
     axes.add_collection(LineCollection(list(lines), colors=NEVER, linewidths=widths, zorder=1))
     reached = np.isfinite(played.first)
-    axes.scatter(*places[reached].T, s=420, c=INK, zorder=2)
-    axes.scatter(*places[~reached].T, s=420, c="white", edgecolors=INK, zorder=2)
-    axes.scatter(*places[~reached].T, s=120, c=STIMULUS, marker="x", zorder=3)
-    for place, time in zip(places[reached], played.first[reached], strict=True):
-        axes.text(*place, f"{time:.2g}", color="white", ha="center", va="center", fontsize=8)
+    x, y = places.T
+    axes.scatter(x[reached], y[reached], s=420, c=INK, zorder=2)
+    axes.scatter(x[~reached], y[~reached], s=420, c="white", edgecolors=INK, zorder=2)
+    axes.scatter(x[~reached], y[~reached], s=120, c=STIMULUS, marker="x", zorder=3)
+    for unit in np.flatnonzero(reached):
+        label = f"{played.first[unit]:.2g}"
+        axes.text(x[unit], y[unit], label, color="white", ha="center", va="center", fontsize=8)
     axes.set_title(title, fontsize=9)
     axes.margins(0.12)
     axes.set_axis_off()

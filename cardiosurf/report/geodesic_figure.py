@@ -62,8 +62,9 @@ def _leaving(axes: Axes) -> None:
     _circles(axes, STARTS)
     for k, theta in enumerate(STARTS):
         line = tangential(theta)
-        points = _seen(line.places + [0.0, 2.0 * np.pi * k / len(STARTS)])
-        out = points[-1] + 30.0 * (points[-1] - points[-2]) / np.linalg.norm(points[-1] - points[-2])
+        points = _seen(line.places + np.array([0.0, 2.0 * np.pi * k / len(STARTS)]))
+        last = points[-1] - points[-2]
+        out = points[-1] + 30.0 * last / np.linalg.norm(last)
         axes.plot(*np.vstack([points, out]).T, color=AWAY, linewidth=1.4)
         axes.plot(*points[0], "o", color=STIMULUS, markersize=4)
     axes.set(title="started along a circle", xlim=(-100, 100), ylim=(-100, 100), xlabel="y [su]")

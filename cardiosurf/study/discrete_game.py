@@ -1,4 +1,4 @@
-"""A config played with Appendix B's units: the triangles of its surface, excited by its stimulus."""
+"""A config played with Appendix B's units, the triangles of its surface."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
