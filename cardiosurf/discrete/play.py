@@ -8,7 +8,7 @@ import numpy as np
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.discrete.network import Network
 from cardiosurf.errors import InputError
-from cardiosurf.sections import Count, Positive, Section
+from cardiosurf.sections import Positive, Section
 
 SAME = 1e-9
 """Charges and times closer than this are the same: sums of a few hundred shares."""

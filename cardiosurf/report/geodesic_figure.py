@@ -1,5 +1,7 @@
 """Geodesics of the vein: section 5.1's G-iii as a figure (``make figures``)."""
 
+from functools import cache
+
 import numpy as np
 import scipy
 from matplotlib.axes import Axes
@@ -25,6 +27,7 @@ def tangential(theta: float, length: float = 600.0) -> Geodesic:
     return geodesic(vein_net(ROOT, TIP), (theta, 0.0), RIM, length, within=(0.0, RIM))
 
 
+@cache
 def summit(span: float) -> float:
     """Return how high the shortest way between two points of the root climbs, as theta.
 
@@ -39,7 +42,7 @@ def summit(span: float) -> float:
     def missing(theta: float) -> float:
         return float(tangential(theta).places[-1, 1] - 0.5 * span)
 
-    return float(scipy.optimize.brentq(missing, 1e-3, RIM - 1e-6, xtol=1e-10))
+    return float(scipy.optimize.brentq(missing, 1e-3, RIM - 1e-6, xtol=1e-9))
 
 
 def geodesics() -> Figure:
