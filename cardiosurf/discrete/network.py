@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardiosurf.arrays import Floats, Ints
+from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.errors import InputError
 
 NEIGHBOURS = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]])
@@ -111,7 +111,7 @@ class Packing:
 
 
 def packed(
-    inside: Callable[[Floats], Ints | np.ndarray[tuple[int], np.dtype[np.bool_]]],
+    inside: Callable[[Floats], Mask],
     reach: float,
     diffusivity: Callable[[Floats], Floats] | None = None,
     *,
@@ -134,7 +134,7 @@ def packed(
     grid = np.arange(-most, most + 1)
     steps = np.stack(np.meshgrid(grid, grid, indexing="ij"), axis=-1).reshape(-1, 2)
     places = _centres(steps)
-    chosen = (np.hypot(places[:, 0], places[:, 1]) <= reach) & np.asarray(inside(places), bool)
+    chosen = (np.hypot(places[:, 0], places[:, 1]) <= reach) & inside(places)
     steps, places = steps[chosen], places[chosen]
     number = np.full((2 * most + 3, 2 * most + 3), -1, dtype=np.int64)
     number[tuple((steps + most + 1).T)] = np.arange(len(steps))

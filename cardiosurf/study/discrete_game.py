@@ -18,7 +18,7 @@ from cardiosurf.study.surface_cache import surface_of
 from cardiosurf.tissue.stimuli import build_pulses
 from cardiosurf.tissue.tensor import build_tissue
 
-MOST = 4000.0
+MOST = 2000.0
 """Excitation times after which a game is ended, if it has not ended by itself."""
 
 

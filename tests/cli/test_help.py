@@ -11,6 +11,7 @@ from cardiosurf.cli.main import cli, main
 COMMANDS = [
     *("run", "validate", "mesh", "schema", "analyze", "plot", "check", "sweep", "threshold"),
     "reproduce",
+    "discrete",
 ]
 HEAVY = ["numpy", "scipy", "skfem", "h5py", "matplotlib", "pydantic", "yaml", "meshio", "rich"]
 
