@@ -28,7 +28,7 @@ def stopping() -> Figure:
     axes = figure.subplots(2, 2)
     _layers(axes[0, 0], "figure B: 2, 3, 4 units, conducts", expansion((2, 3, 4)))
     _layers(axes[0, 1], "figure D, SG-i: 2 units for 7, stops", expansion((2, 7)))
-    title = f"figure F, SC-ii: a fibre {SPEED:g} times as fast (below), T1 = 3.5 < T2 = 4.3, stops"
+    title = f"SC-ii, figure F and a unit more in B, C: fibre {SPEED:g} times as fast, stops"
     _layers(axes[1, 0], title, fibre(SPEED, (3, 4)))
     _block(axes[1, 1])
     return figure
