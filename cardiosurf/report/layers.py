@@ -193,8 +193,8 @@ def draw_stimuli(axes: Axes, view: View, profiles: Sequence[Floats]) -> list[Art
         drawn = True
         if strength.min() < 0.5:
             axes.tricontour(mesh, strength, levels=[0.5], colors=STIMULUS, linewidths=1.4)
-        middle = np.average(view.points, axis=0, weights=np.where(strength >= 0.5, strength, 0))
-        axes.plot(*middle, marker="*", markersize=11, color=STIMULUS, markeredgecolor="white")
+        for middle in middles(view, strength):
+            axes.plot(*middle, marker="*", markersize=11, color=STIMULUS, markeredgecolor="white")
     star = Line2D(
         [],
         [],
@@ -205,6 +205,24 @@ def draw_stimuli(axes: Axes, view: View, profiles: Sequence[Floats]) -> list[Art
         label="stimulus (half strength)",
     )
     return [star] if drawn else []
+
+
+def middles(view: View, strength: Floats) -> list[Floats]:
+    """Return the middle (2,) of each piece of the view where the strength (k,) is above half.
+
+    A stimulus on the seam of an unrolled map lies at both sides of it: the middle of both is
+    nowhere near.
+    """
+    strong = strength >= 0.5
+    sides = np.concatenate([view.triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])])
+    sides = sides[strong[sides].all(axis=1)]
+    shape = (len(strength), len(strength))
+    links = scipy.sparse.coo_array((np.ones(len(sides)), (sides[:, 0], sides[:, 1])), shape=shape)
+    _, piece = scipy.sparse.csgraph.connected_components(links, directed=False)
+    return [
+        np.average(view.points[inside], axis=0, weights=strength[inside])
+        for inside in (strong & (piece == one) for one in np.unique(piece[strong]))
+    ]
 
 
 def stimulus_profiles(recording: Recording) -> list[Floats]:

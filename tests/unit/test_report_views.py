@@ -7,7 +7,7 @@ from cardiosurf.geometry.atrium import Atrium
 from cardiosurf.geometry.sphere import Sphere
 from cardiosurf.geometry.t_domain import TDomain
 from cardiosurf.geometry.torus import Torus
-from cardiosurf.report.layers import isochrone_levels, roomiest_spot
+from cardiosurf.report.layers import isochrone_levels, middles, roomiest_spot
 from cardiosurf.report.views import (
     flat_views,
     has_vein,
@@ -172,3 +172,12 @@ def test_names_stand_in_the_middle_and_apart():
     second = roomiest_spot(view, block, [first])
     assert np.abs(second - 6.0).max() < 4
     assert (np.abs(second - first) > (1.5, 0.4)).any()
+
+
+def test_a_site_on_the_seam_is_marked_on_both_sides_of_it():
+    (view,) = flat_views(TORUS)
+    away = np.linalg.norm(TORUS.points - (-150.0, 0.0, 0.0), axis=1)
+    found = np.array(middles(view, np.exp(-((away / 20.0) ** 2))[view.vertex_of]))
+    # theta = 0, phi = -180 and 180; a disc of radius 17 has some 20 vertices at edge 8
+    assert np.sort(found[:, 0]) == pytest.approx([-180.0, 180.0], abs=3.0)
+    assert found[:, 1] == pytest.approx([0.0, 0.0], abs=6.0)
