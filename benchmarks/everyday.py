@@ -91,6 +91,21 @@ def commands() -> list[tuple[str, float]]:
         given = ENVIRONMENT | {"NUMBA_CACHE_DIR": compiled, "CARDIOSURF_CACHE": "off"}
         subprocess.run([sys.executable, *run], check=True, capture_output=True, env=given)
         rows.append(("the first run of all: compiled, mesh made anew", perf_counter() - begun))
+        check = ("check", str(CONFIGS.parent / "scenarios"), "--fast", "--workers", "2")
+        begun = perf_counter()
+        given = ENVIRONMENT | {"CARDIOSURF_CACHE_DIR": str(Path(folder) / "meshes")}
+        subprocess.run(
+            [sys.executable, *program, *check, "-o", str(Path(folder) / "check")],
+            check=True,
+            capture_output=True,
+            env=given,
+        )
+        rows.append(
+            (
+                "`cardiosurf check scenarios --fast --workers 2`, nothing kept",
+                perf_counter() - begun,
+            )
+        )
     return rows
 
 

@@ -49,7 +49,7 @@ def everyday(found: dict[str, Any]) -> list[str]:
     yardstick = found["commands"][2][1]
     lines = [
         *head("Everyday commands", found),
-        "Whole processes on one core, medians; the third row is the yardstick of the ratios.",
+        "Whole processes on one core, medians (`check`: once, on two cores); the third row is the yardstick of the ratios.",
         "",
         "| what | seconds | ratio |",
         "|---|---|---|",

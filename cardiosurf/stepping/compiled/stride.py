@@ -47,7 +47,8 @@ DONE, REST_CHANGED, FULL, FULL_AND_REST_CHANGED, UNSOUND, UNSOLVED = range(6)
 """Why a stride ended: all steps done; rest began or ended; no room for this step's crossings; both;
 numbers that are not finite or too large; conjugate gradients without success."""
 
-UNDERFLOW = 1e-200
+UNDERFLOW = 1e-60
+"""Square of a residual that is as good as none: below it single precision runs out of digits."""
 TRUSTED = 1e-4
 """What conjugate gradients in single precision make of a residual at best, with some to spare."""
 AS_IT_STANDS = np.zeros(4)
