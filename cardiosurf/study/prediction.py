@@ -1,6 +1,8 @@
 """A config carried through to what is predicted of it, without a march."""
 
+import json
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -16,11 +18,14 @@ from cardiosurf.arrays import Floats, Mask
 from cardiosurf.config import Config, Loaded
 from cardiosurf.config.sections import regions_of, target_key
 from cardiosurf.geometry.surface import Surface
+from cardiosurf.recording.whole_file import unwritable, whole_file
 from cardiosurf.study.edges import edge_of
 from cardiosurf.study.setup import check_targets
 from cardiosurf.study.surface_cache import surface_of
 from cardiosurf.tissue.stimuli import Pulse, build_pulses
 from cardiosurf.tissue.tensor import Tissue, build_tissue
+
+FILE = "prediction.json"
 
 
 @dataclass(frozen=True)
@@ -87,6 +92,22 @@ def predict(loaded: Loaded, width: float) -> Predicted:
         patches=patches,
     )
     return Predicted(prediction, surface, tissue, pulses, found)
+
+
+def write_prediction(prediction: Prediction, folder: Path) -> None:
+    """Write prediction.json into a folder, which is made if it is not there.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written to.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise unwritable(folder, error) from error
+    with whole_file(folder / FILE) as partial:
+        partial.write_text(json.dumps(prediction.to_json(), indent=2) + "\n", encoding="utf-8")
 
 
 def _targets(config: Config, surface: Surface, times: Floats) -> tuple[TargetArrival, ...]:
