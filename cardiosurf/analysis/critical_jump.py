@@ -1,9 +1,10 @@
-"""The jump of diffusivity that a straight front just passes: a march along a line, once a kinetics.
+"""The jump of diffusivity that a straight front just passes: marches along a line, for a kinetics.
 
-Where d jumps from d1 to d2 across the way of a straight front, lengths beyond the jump are longer by
-k = sqrt(d2/d1). In units of its own length each side is the same tissue, and what is left of the
-jump is a line that becomes wider by the factor k: the front has to feed k times the membrane that
-feeds it. Whether it can depends on the kinetics alone. Without recovery the critical ratio is exact,
+Where d jumps from d1 to d2 across the way of a straight front, lengths are longer beyond the jump
+by k = sqrt(d2/d1). In units of its own length each side is the same tissue, and what is left of
+the jump is a line that becomes wider by the factor k: the front has to feed k times the membrane
+that feeds it. Whether it can depends on the kinetics alone. Without recovery the critical ratio is
+exact,
 
     d2/d1 = 1 + F(1)/|F(a)|,   F(u) = int_0^u f,
 

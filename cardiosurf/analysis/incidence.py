@@ -130,9 +130,7 @@ def _fronts(wave: Map, edges: Ints) -> tuple[Floats, Floats]:
     sides = wave.points[edges[:, 1]] - wave.points[edges[:, 0]]
     usual = float(np.median(np.linalg.norm(sides, axis=1))) if len(edges) else 0.0
     ground = wave.triangles[wave.excitable]
-    fit = Fit.of(
-        wave.points, ground, np.isfinite(wave.lat), max(RADIUS, 2.5 * usual)
-    )
+    fit = Fit.of(wave.points, ground, np.isfinite(wave.lat), max(RADIUS, 2.5 * usual))
     vertices, own = np.unique(edges, return_inverse=True)
     found = np.full((len(vertices), 4), np.nan)
     for row, vertex in zip(found, vertices.tolist(), strict=True):

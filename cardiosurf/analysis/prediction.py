@@ -27,7 +27,7 @@ from cardiosurf.analysis.sources import stimulus_sources
 from cardiosurf.arrays import Floats, Mask
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.surface import Surface
-from cardiosurf.kinetics import Kinetics
+from cardiosurf.kinetics import AnyKinetics
 from cardiosurf.tissue.stimuli import Pulse
 from cardiosurf.tissue.tensor import Tissue
 
@@ -60,7 +60,7 @@ class Front:
     critical_jump: float
 
     @classmethod
-    def of(cls, kinetics: Kinetics) -> "Front":
+    def of(cls, kinetics: AnyKinetics) -> "Front":
         """Return the front of a kinetics model.
 
         Raises

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from cardiosurf.arrays import Floats, Mask
+from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.errors import InputError
 
 DRAWS = 2000
@@ -56,7 +56,7 @@ def auc(score: Floats, positive: Mask) -> float:
     return float((ranks.mean() - 0.5 * (count + 1)) / others)
 
 
-def roc(score: Floats, positive: Mask, groups: Floats, *, seed: int = 0) -> Roc:
+def roc(score: Floats, positive: Mask, groups: Ints, *, seed: int = 0) -> Roc:
     """Return the curve of a score, its area and the error of that.
 
     Cases of one geometry are no independent samples: whole groups are drawn again.
@@ -79,7 +79,7 @@ def roc(score: Floats, positive: Mask, groups: Floats, *, seed: int = 0) -> Roc:
     false = np.append(0.0, np.cumsum(~positive[order])[last] / (~positive).sum())
     generator = np.random.default_rng(seed)
     members = [np.flatnonzero(groups == one) for one in np.unique(groups)]
-    areas = []
+    areas: list[float] = []
     while len(areas) < DRAWS:
         drawn = generator.integers(len(members), size=len(members))
         chosen = np.concatenate([members[one] for one in drawn])

@@ -69,7 +69,9 @@ def flux_ratio(before: Edge, within: Edge, trace: Floats) -> Floats:
         return np.asarray(np.sqrt(np.abs(within.flux_squared(trace)) / available))
 
 
-def curvature_number(ambient: float, curvature: Floats, factor: float, speed: float) -> Floats:
+def curvature_number(
+    ambient: Floats | float, curvature: Floats, factor: float, speed: float
+) -> Floats:
     """Return g sqrt(d) K/c0, what curvature takes from a front's speed; it stands still at 1.
 
     Parameters

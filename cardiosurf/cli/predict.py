@@ -22,7 +22,7 @@ OVERRIDE_HELP = "Change one key: a.b.c=value; list items by number or by their n
 @click.option(
     "--width",
     type=click.FloatRange(0.0, min_open=True),
-    help="Over what a patch's edge is smoothed for the relative acceleration, in su.  [default: 12]",
+    help="Over what patch edges are smoothed for the relative acceleration, in su.  [default: 12]",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print prediction.json, not the lines.")
 def predict(

@@ -16,12 +16,12 @@ def prediction_lines(prediction: Prediction) -> list[str]:
         What ``predict`` returned.
     """
     front = prediction.front
+    jump = f"passes jumps of d up to {front.critical_jump:.2f}"
+    without = f"{prediction.last_undisturbed:.0f} tu without patches"
     lines = [
         f"{prediction.name}: predicted without a march, edges of {prediction.edge_length:g} su",
-        f"  front         c0 {front.speed:.4f} su/tu, g {front.curvature_factor:.3f}, "
-        f"passes jumps of d up to {front.critical_jump:.2f}",
-        f"  last arrival  {prediction.last_arrival:.0f} tu if nothing blocks, "
-        f"{prediction.last_undisturbed:.0f} tu without patches",
+        f"  front         c0 {front.speed:.4f} su/tu, g {front.curvature_factor:.3f}, {jump}",
+        f"  last arrival  {prediction.last_arrival:.0f} tu if nothing blocks, {without}",
     ]
     for one in prediction.targets:
         when = "no wave comes" if one.first is None else f"{one.first:.0f} to {one.last:.0f} tu"
@@ -44,10 +44,22 @@ def _patch(patch: PatchPrediction, prediction: Prediction) -> Iterator[str]:
     width = f"{prediction.width:g} su"
     limit = float(np.sqrt(prediction.front.critical_jump))
     rows = (
-        ("relative acceleration", patch.acceleration, prediction.acceleration_limit, ".4f",
-         patch.by_acceleration, f", over {width}"),
-        ("source and sink", patch.source_sink, limit, ".2f", patch.by_source_sink,
-         f", {100.0 * (patch.blocked_share or 0.0):.0f} % of the entrance beyond it"),
+        (
+            "relative acceleration",
+            patch.acceleration,
+            prediction.acceleration_limit,
+            ".4f",
+            patch.by_acceleration,
+            f", over {width}",
+        ),
+        (
+            "source and sink",
+            patch.source_sink,
+            limit,
+            ".2f",
+            patch.by_source_sink,
+            f", {100.0 * (patch.blocked_share or 0.0):.0f} % of the entrance beyond it",
+        ),
         ("curvature", patch.curvature_number, 1.0, ".2f", patch.by_curvature, ""),
     )
     for name, value, critical, form, expected, more in rows:

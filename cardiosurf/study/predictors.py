@@ -1,6 +1,6 @@
 """The predictors of block beside what was simulated: a table of a sweep.
 
-    python -m cardiosurf.study.predictors SCENARIO results.csv finer/results.csv OUT.csv PATCH
+Run as ``python -m cardiosurf.study.predictors SCENARIO RESULTS FINER_RESULTS TABLE PATCH``.
 
 A row is a run of ``cardiosurf sweep`` and what ``predict`` says of the same config. The table is
 kept (docs/results/prediction.csv), so that its figures need no run.
