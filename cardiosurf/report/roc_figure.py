@@ -15,7 +15,7 @@ from cardiosurf.analysis.roc import Roc, permuted, roc
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.report.canvas import INK, new_figure, save
 from cardiosurf.report.table import table_lines
-from cardiosurf.study.predictors import FINER, PREDICTORS, read_table
+from cardiosurf.study.predictors import COARSER, PREDICTORS, read_table
 
 CONDUCTS = 0.95
 """Activated share of a patch from which on it conducts, as for a verdict."""
@@ -42,8 +42,8 @@ class Cases:
         The predictors.
     failed : (k,) bool
         Whether less than 95 % of the patch was activated.
-    failed_finer : (k,) bool
-        The same on the finer mesh.
+    failed_coarser : (k,) bool
+        The same on the coarser mesh.
     not_through : (k,) bool
         Whether the wave did not come in through most of the entrance.
     groups : (k,) int
@@ -52,7 +52,7 @@ class Cases:
 
     scores: Mapping[str, Floats]
     failed: Mask
-    failed_finer: Mask
+    failed_coarser: Mask
     not_through: Mask
     groups: Ints
 
@@ -68,7 +68,7 @@ class Cases:
         return cls(
             scores={name: numbers(name) for name in PREDICTORS},
             failed=numbers("activated_fraction") < CONDUCTS,
-            failed_finer=numbers(FINER) < CONDUCTS,
+            failed_coarser=numbers(COARSER) < CONDUCTS,
             not_through=np.array([row["route"] != "direct" for row in used]),
             groups=np.unique(names, return_inverse=True)[1],
         )
@@ -86,7 +86,7 @@ def roc_lines(cases: Cases) -> list[str]:
     everywhere = np.ones_like(head_on)
     columns = {
         "not activated": (everywhere, cases.failed),
-        "finer mesh": (everywhere, cases.failed_finer),
+        "coarser mesh": (everywhere, cases.failed_coarser),
         "not through": (everywhere, cases.not_through),
         "head on": (head_on, cases.failed),
         "oblique": (~head_on, cases.failed),

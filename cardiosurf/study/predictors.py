@@ -1,6 +1,6 @@
 """The predictors of block beside what was simulated: a table of a sweep.
 
-Run as ``python -m cardiosurf.study.predictors SCENARIO RESULTS FINER_RESULTS TABLE PATCH``.
+Run as ``python -m cardiosurf.study.predictors SCENARIO RESULTS COARSER_RESULTS TABLE PATCH``.
 
 A row is a run of ``cardiosurf sweep`` and what ``predict`` says of the same config. The table is
 kept (docs/results/prediction.csv), so that its figures need no run.
@@ -33,14 +33,14 @@ PREDICTORS = (
 )
 """Fields of a PatchPrediction that may tell a block."""
 FOUND = ("captured", "verdict", "activated_fraction", "route")
-FINER = "finer_fraction"
-"""Activated fraction on the finer mesh."""
+COARSER = "coarser_fraction"
+"""Activated fraction on the coarser mesh."""
 
 
 def predictor_rows(
     file: ScenarioFile,
     simulated: Iterable[Mapping[str, str]],
-    finer: Iterable[Mapping[str, str]],
+    coarser: Iterable[Mapping[str, str]],
     patch: str,
 ) -> list[dict[str, str]]:
     """Return a row for each run of a sweep: what was found at a patch, and its predictors.
@@ -51,8 +51,8 @@ def predictor_rows(
         The scenario.
     simulated : iterable of mapping
         The rows of its results.csv; ``patch`` is the name of a target, too.
-    finer : iterable of mapping
-        Those of the same sweep on a finer mesh.
+    coarser : iterable of mapping
+        Those of the same sweep on a coarser mesh.
     patch : str
         The patch.
 
@@ -62,7 +62,7 @@ def predictor_rows(
         A point was not simulated.
     """
     found = {row["point"]: row for row in simulated}
-    checks = {row["point"]: row for row in finer}
+    checks = {row["point"]: row for row in coarser}
     rows = []
     for point in file.points():
         run, check = found.get(point.name), checks.get(point.name)
@@ -75,7 +75,7 @@ def predictor_rows(
         row = {"case": point.case.name if point.case else "", **_texts(settings)}
         row["captured"] = run["captured"]
         row |= {key: run[f"{patch}.{key}"] for key in FOUND[1:]}
-        row[FINER] = check[f"{patch}.activated_fraction"]
+        row[COARSER] = check[f"{patch}.activated_fraction"]
         rows.append(row | _texts(_numbers(met)))
     return rows
 
@@ -123,10 +123,10 @@ def _texts(values: Mapping[str, object]) -> dict[str, str]:
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Write the table of a sweep: scenario, its rows, those of finer meshes, table, patch."""
-    scenario, simulated, finer, table = (Path(one) for one in arguments[:4])
+    """Write the table of a sweep: scenario, its rows, those of a coarser mesh, table, patch."""
+    scenario, simulated, coarser, table = (Path(one) for one in arguments[:4])
     rows = predictor_rows(
-        read_scenario(scenario), read_table(simulated), read_table(finer), arguments[4]
+        read_scenario(scenario), read_table(simulated), read_table(coarser), arguments[4]
     )
     with whole_file(table) as partial:
         partial.write_text(table_text(rows), encoding="utf-8")
