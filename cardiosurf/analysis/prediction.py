@@ -12,24 +12,10 @@ Three explanations are held side by side, each a number for a patch and a limit 
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-import numpy as np
-import scipy
-
-from cardiosurf.analysis.acceleration_map import acceleration_map, lat_direction
-from cardiosurf.analysis.conductor import Conductor
 from cardiosurf.analysis.critical_jump import critical_jump
-from cardiosurf.analysis.eikonal import arrival
-from cardiosurf.analysis.incidence import Incidence, incidence
 from cardiosurf.analysis.planar_speed import curvature_factor, planar_speed
-from cardiosurf.analysis.route import Map
-from cardiosurf.analysis.source_sink import curvature_number, flux_ratio, with_curvature
-from cardiosurf.analysis.sources import stimulus_sources
-from cardiosurf.arrays import Floats, Mask
 from cardiosurf.errors import InputError
-from cardiosurf.geometry.surface import Surface
 from cardiosurf.kinetics import AnyKinetics
-from cardiosurf.tissue.stimuli import Pulse
-from cardiosurf.tissue.tensor import Tissue
 
 SCHEMA: Literal["cardiosurf/prediction/1"] = "cardiosurf/prediction/1"
 WIDTH = 12.0
@@ -89,7 +75,7 @@ class Along:
     source_sink: tuple[float | None, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PatchPrediction:
     """What is predicted at a patch; None where the undisturbed wave does not enter it.
 
@@ -127,23 +113,23 @@ class PatchPrediction:
 
     name: str
     entrance: float
-    first_arrival: float | None
-    angle: float | None
-    least_angle: float | None
-    greatest_angle: float | None
-    curvature: float | None
-    of_velocity: float | None
-    of_change: float | None
-    of_spread: float | None
-    acceleration: float | None
-    anisotropy: float | None
-    flux_ratio: float | None
-    source_sink: float | None
-    curvature_number: float | None
-    blocked_share: float | None
-    by_acceleration: Expected | None
-    by_source_sink: Expected | None
-    by_curvature: Expected | None
+    first_arrival: float | None = None
+    angle: float | None = None
+    least_angle: float | None = None
+    greatest_angle: float | None = None
+    curvature: float | None = None
+    of_velocity: float | None = None
+    of_change: float | None = None
+    of_spread: float | None = None
+    acceleration: float | None = None
+    anisotropy: float | None = None
+    flux_ratio: float | None = None
+    source_sink: float | None = None
+    curvature_number: float | None = None
+    blocked_share: float | None = None
+    by_acceleration: Expected | None = None
+    by_source_sink: Expected | None = None
+    by_curvature: Expected | None = None
     along: Along
 
 
@@ -176,158 +162,6 @@ class Prediction:
         """Return the finding as plain JSON data, ``schema`` first."""
         data = asdict(self)
         return {"schema": data.pop("schema"), **data}
-
-
-@dataclass(frozen=True)
-class Arrivals:
-    """Arrival times (n,) in tu; NaN = never, without the patches, and with them.
-
-    Scar is a hole to both.
-    """
-
-    undisturbed: Floats
-    as_it_is: Floats
-
-
-def arrivals(
-    surface: Surface, tissue: Tissue, pulses: tuple[Pulse, ...], ambient: float, speed: float
-) -> Arrivals:
-    """Return when the wave of the stimuli arrives: c0 sqrt(grad T . d grad T) = 1.
-
-    Parameters
-    ----------
-    surface, tissue : Surface, Tissue
-        The mesh, and what is on it.
-    pulses : tuple of Pulse
-        The stimuli.
-    ambient : float
-        Diffusivity outside the patches, in su^2/tu.
-    speed : float
-        c0, in su/tu.
-
-    Raises
-    ------
-    InputError
-        No stimulus starts a front.
-    """
-    triangles = surface.triangles[tissue.excitable]
-    frame = surface.frame[tissue.excitable]
-    even = ambient * np.einsum("mai,maj->mij", frame, frame)
-    times = []
-    for conductor in (
-        Conductor(surface.points, triangles, even),
-        Conductor.of(surface, tissue),
-    ):
-        sources = stimulus_sources(conductor, pulses, speed)
-        times.append(arrival(conductor, sources, speed).times)
-    return Arrivals(*times)
-
-
-def patch_prediction(
-    surface: Surface, tissue: Tissue, undisturbed: Floats, name: str, front: Front, *, width: float
-) -> PatchPrediction:
-    """Return what is predicted at a patch.
-
-    Parameters
-    ----------
-    surface, tissue : Surface, Tissue
-        The mesh, and what is on it.
-    undisturbed : (n,) float
-        Arrival without the patches, in tu.
-    name : str
-        The patch; excitable tissue.
-    front : Front
-        Of the kinetics.
-    width : float
-        Over what its edge is smoothed for the relative acceleration, in su.
-
-    Raises
-    ------
-    InputError
-        The width is less than two edge lengths.
-    """
-    inside = tissue.patch_of == tissue.names.index(name)
-    tensor, excitable = tissue.tensor, tissue.excitable
-    points, triangles = surface.points, surface.triangles
-    met = incidence(Map(points, triangles, tensor, excitable, undisturbed, undisturbed), inside)
-    before = met.before.flux_squared(np.zeros(len(met.angle)))
-    number = curvature_number(before, met.curvature, front.curvature_factor, front.speed)
-    straight = flux_ratio(met.before, met.within, np.sin(met.angle) / np.sqrt(before))
-    ratio = with_curvature(straight, number)
-    own = curvature_number(met.heading, met.curvature, front.curvature_factor, front.speed)
-    terms = _acceleration(surface, tensor, undisturbed, met, width)
-    limit = np.sqrt(front.critical_jump)
-    angles = np.degrees(met.angle)
-    blocked = float(met.lengths @ (ratio > limit) / met.lengths.sum()) if len(ratio) else None
-    curved = met.median(own)
-    outside = float(before.mean()) if len(before) else np.nan
-    return PatchPrediction(
-        name=name,
-        entrance=float(met.lengths.sum()),
-        first_arrival=float(met.times.min()) if len(angles) else None,
-        angle=met.median(angles),
-        least_angle=float(angles.min()) if len(angles) else None,
-        greatest_angle=float(angles.max()) if len(angles) else None,
-        curvature=met.median(met.curvature),
-        of_velocity=terms[0],
-        of_change=terms[1],
-        of_spread=terms[2],
-        acceleration=terms[3],
-        anisotropy=_greatest(tensor, inside) / outside if len(before) else None,
-        flux_ratio=_finite(met.median(straight)),
-        source_sink=_finite(met.median(ratio)),
-        curvature_number=curved,
-        blocked_share=blocked,
-        by_acceleration=_expected(terms[3], ACCELERATION_LIMIT),
-        by_source_sink=_expected(met.median(ratio), limit),
-        by_curvature=_expected(curved, 1.0),
-        along=_along(met, ratio),
-    )
-
-
-def _acceleration(
-    surface: Surface, tensor: Floats, times: Floats, met: Incidence, width: float
-) -> list[float | None]:
-    """Return the terms within half a width of the entrance, as roots of mean squares."""
-    found = acceleration_map(surface, tensor, lat_direction(surface, times), width)
-    if not len(met.points):
-        return [None] * 4
-    middles = surface.points[surface.triangles].mean(axis=1)
-    away = np.asarray(scipy.spatial.cKDTree(met.points).query(middles)[0])
-    near: Mask = (away <= 0.5 * width) & np.isfinite(found.of_velocity)
-    areas = surface.areas()[near]
-    if not near.any():
-        return [None] * 4
-    both = found.of_velocity + found.of_change
-    fields = (found.of_velocity, found.of_change, found.of_spread, both)
-    return [float(np.sqrt(np.average(one[near] ** 2, weights=areas))) for one in fields]
-
-
-def _greatest(tensor: Floats, inside: Mask) -> float:
-    """Return the mean over a patch of the greater diffusivity."""
-    return float(np.linalg.eigvalsh(tensor[inside])[:, -1].mean())
-
-
-def _expected(value: float | None, limit: float) -> Expected | None:
-    return None if value is None else "block" if value > limit else "conduction"
-
-
-def _finite(value: float | None) -> float | None:
-    """Return a number that JSON has; infinity is 1e6, beyond every limit."""
-    return None if value is None else min(value, 1e6)
-
-
-def _along(met: Incidence, ratio: Floats) -> Along:
-    def rounded(values: Floats, digits: int) -> tuple[float, ...]:
-        return tuple(np.round(values, digits).tolist())
-
-    return Along(
-        points=tuple(tuple(place) for place in np.round(met.points, 3).tolist()),
-        arrival=rounded(met.times, 3),
-        angle=rounded(np.degrees(met.angle), 3),
-        curvature=rounded(met.curvature, 6),
-        source_sink=rounded(np.minimum(ratio, 1e6), 4),
-    )
 
 
 def prediction_schema() -> dict[str, Any]:

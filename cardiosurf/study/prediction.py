@@ -6,14 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from cardiosurf.analysis.prediction import (
-    Arrivals,
-    Front,
-    Prediction,
-    TargetArrival,
-    arrivals,
-    patch_prediction,
-)
+from cardiosurf.analysis.patch_prediction import Arrivals, arrivals, patch_prediction
+from cardiosurf.analysis.prediction import Front, Prediction, TargetArrival
 from cardiosurf.arrays import Floats, Mask
 from cardiosurf.config import Config, Loaded
 from cardiosurf.config.sections import regions_of, target_key
