@@ -96,7 +96,7 @@ def mesh(config: str, overrides: tuple[str, ...], output: Path | None, *, overwr
 @click.command()
 @click.argument(
     "what",
-    type=click.Choice(["config", "scenario", "verdict", "threshold"]),
+    type=click.Choice(["config", "scenario", "verdict", "threshold", "prediction"]),
     default="config",
 )
 def schema(what: str) -> None:
@@ -121,6 +121,10 @@ def schema(what: str) -> None:
         from cardiosurf.study.threshold_result import threshold_schema
 
         published = threshold_schema()
+    elif what == "prediction":
+        from cardiosurf.analysis.prediction import prediction_schema
+
+        published = prediction_schema()
     else:
         from cardiosurf.analysis.verdict import verdict_schema
 

@@ -26,6 +26,7 @@ _COMMANDS = {
     "check": "cardiosurf.cli.study:check",
     "sweep": "cardiosurf.cli.study:sweep",
     "threshold": "cardiosurf.cli.threshold:threshold",
+    "predict": "cardiosurf.cli.predict:predict",
     "reproduce": "cardiosurf.cli.reproduce:reproduce",
     "discrete": "cardiosurf.cli.discrete:discrete",
 }

@@ -67,7 +67,7 @@ def reproduce(
     from cardiosurf.config.scenario_file import read_scenario, scenario_paths
 
     files = [read_scenario(path) for path in scenario_paths([Path(one) for one in scenarios])]
-    files = [file for file in files if file.scenario.cases]
+    files = [file for file in files if file.scenario.on_page]
     # a scenario that is wrong need not wait for what follows
     for file in files:
         file.cases()

@@ -212,6 +212,11 @@ class Scenario(Section):
         """Whether there is something to vary."""
         return bool(self.grid or self.lists or self.latin_hypercube)
 
+    @property
+    def on_page(self) -> bool:
+        """Whether the reproduction page takes its cases: what a sweep varies is no claim."""
+        return bool(self.cases) and not self.sweeps
+
 
 def scenario_schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a scenario file."""

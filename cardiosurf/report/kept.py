@@ -80,7 +80,7 @@ class Kept:
             A scenario is wrong, or a file of results cannot be read.
         """
         results = Results(folder)
-        having = tuple(file for file in files if file.scenario.cases)
+        having = tuple(file for file in files if file.scenario.on_page)
         drawn = results.read("figures")
         return cls(
             having,

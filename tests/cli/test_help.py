@@ -10,6 +10,7 @@ from cardiosurf.cli.main import cli, main
 
 COMMANDS = [
     *("run", "validate", "mesh", "schema", "analyze", "plot", "check", "sweep", "threshold"),
+    "predict",
     "reproduce",
     "discrete",
 ]

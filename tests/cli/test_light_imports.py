@@ -55,7 +55,8 @@ CONFIG = {"numpy", "pydantic", "yaml"}
 
 
 @pytest.mark.parametrize(
-    "command", ["validate", "mesh", "run", "check", "sweep", "reproduce", "discrete"]
+    "command",
+    ["validate", "mesh", "run", "predict", "check", "sweep", "reproduce", "discrete"],
 )
 def test_a_wrong_config_is_found_before_anything_is_built(tmp_path, command):
     assert heavy(command, tmp_path / "none.yaml") <= CONFIG

@@ -1,0 +1,52 @@
+"""The command predict."""
+
+import json
+
+import pytest
+
+PATCH = "tissue={patches: [{name: block, region: {box: {x: [30, 50]}}, anisotropy: {x: 4}}]}"
+
+
+def test_it_prints_and_writes_what_is_predicted(cardiosurf, strip, tmp_path):
+    done = cardiosurf("predict", strip, "--set", PATCH, "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "patch block: entrance 10 su" in done.stdout
+    written = json.loads((tmp_path / "out/prediction.json").read_text())
+    assert written["schema"] == "cardiosurf/prediction/1"
+    # head on to 4: the root of it
+    assert written["patches"][0]["flux_ratio"] == pytest.approx(2.0, rel=1e-3)
+    assert (tmp_path / "out/prediction.png").read_bytes()[:4] == b"\x89PNG"
+    assert sorted(one.name for one in (tmp_path / "out").iterdir()) == [
+        "prediction.json",
+        "prediction.png",
+    ]
+
+
+def test_json_is_what_is_written(cardiosurf, strip, tmp_path):
+    done = cardiosurf("predict", strip, "--set", PATCH, "-o", tmp_path / "out", "--json")
+    assert json.loads(done.stdout) == json.loads((tmp_path / "out/prediction.json").read_text())
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--set", "kinetics={model: fitzhugh_nagumo}"), "carries no wave"),
+        (("--set", "tissue.patches.none.anisotropy=2"), "tissue.patches"),
+        (("--set", PATCH, "--width", "1"), "at least 2 edge lengths"),
+        (("--width", "0"), "--width"),
+        (("--set", "stimulus=[{shape: edge, edge: left, amplitude: 0.3}]"), "no front starts"),
+    ],
+)
+def test_what_is_wrong_is_said(cardiosurf, strip, tmp_path, words, said):
+    done = cardiosurf("predict", strip, *words, "-o", tmp_path / "out")
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_file_in_the_way_is_named(cardiosurf, strip, tmp_path):
+    (tmp_path / "out").write_text("mine")
+    done = cardiosurf("predict", strip, "-o", tmp_path / "out")
+    assert (done.returncode, (tmp_path / "out").read_text()) == (2, "mine")
+    assert "cannot be written" in done.stderr
