@@ -24,6 +24,8 @@ from cardiosurf.geometry.surface import Surface
 from cardiosurf.tissue.stimuli import Pulse
 from cardiosurf.tissue.tensor import Tissue
 
+TERMS = ("of_velocity", "of_change", "of_spread", "acceleration")
+
 
 @dataclass(frozen=True)
 class Arrivals:
@@ -95,12 +97,7 @@ def patch_prediction(
     """
     inside = tissue.patch_of == tissue.names.index(name)
     wave = Map(
-        surface.points,
-        surface.triangles,
-        tissue.tensor,
-        tissue.excitable,
-        undisturbed,
-        undisturbed,
+        surface.points, surface.triangles, tissue.tensor, tissue.excitable, undisturbed, undisturbed
     )
     met = incidence(wave, inside)
     if not len(met.angle):
@@ -108,20 +105,14 @@ def patch_prediction(
         return PatchPrediction(name=name, entrance=0.0, along=Along((), (), (), (), ()))
     terms = _acceleration(surface, tissue.tensor, undisturbed, met, width)
     balance = _Balance.of(met, front)
-    angles, ratio = np.degrees(met.angle), balance.ratio
-    limit = np.sqrt(front.critical_jump)
+    ratio, limit = balance.ratio, np.sqrt(front.critical_jump)
     return PatchPrediction(
         name=name,
         entrance=float(met.lengths.sum()),
         first_arrival=float(met.times.min()),
-        angle=met.median(angles),
-        least_angle=float(angles.min()),
-        greatest_angle=float(angles.max()),
+        **_angles(met),
         curvature=met.median(met.curvature),
-        of_velocity=terms[0],
-        of_change=terms[1],
-        of_spread=terms[2],
-        acceleration=terms[3],
+        **dict(zip(TERMS, terms, strict=True)),
         anisotropy=_greatest(tissue.tensor, inside) / float(balance.before.mean()),
         flux_ratio=_finite(met.median(balance.straight)),
         source_sink=_finite(met.median(ratio)),
@@ -151,6 +142,13 @@ class _Balance:
         number = curvature_number(before, met.curvature, g, speed)
         own = curvature_number(met.heading, met.curvature, g, speed)
         return cls(before, straight, with_curvature(straight, number), own)
+
+
+def _angles(met: Incidence) -> dict[str, float | None]:
+    """Return median and limits of the angle of incidence, in degrees."""
+    angles = np.degrees(met.angle)
+    least, greatest = float(angles.min()), float(angles.max())
+    return {"angle": met.median(angles), "least_angle": least, "greatest_angle": greatest}
 
 
 def _acceleration(
