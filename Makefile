@@ -65,8 +65,9 @@ $(PEERS)/.installed: benchmarks/peers/requirements.txt
 	$(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check --requirement $<
 	touch $@
 
-figures: $(STAMP)  ## draw the paper's theoretical figures again (docs/images)
+figures: $(STAMP)  ## draw the figures of the theory again (docs/images)
 	$(BIN)/python -m cardiosurf.report.theory_figures docs/images
+	$(BIN)/python -m cardiosurf.report.roc_figure docs/results/prediction.csv docs/images
 
 check: $(STAMP)  ## ruff, mypy --strict, import-linter
 	$(BIN)/ruff check .
