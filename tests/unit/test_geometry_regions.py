@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from geometry_integrals import arc_above, meshed, square_area, vein_area
+from region_words import ball, box, half_space, polar
 
 from cardiosurf.errors import NumericalError
 from cardiosurf.geometry import Plane, Sphere, Surface, TDomain, Vein, build_surface
@@ -12,35 +13,13 @@ from cardiosurf.geometry.regions import (
     AnyOf,
     Ball,
     BallLimits,
-    Box,
-    BoxLimits,
-    HalfSpace,
-    HalfSpaceLimits,
     Not,
     Part,
-    Polar,
-    PolarLimits,
 )
 
 EDGE = 2.5
 PI = np.pi
 ROOT, TIP, HALF = 70.0, 35.0, 80.0
-
-
-def box(**limits: tuple[float, float]) -> Box:
-    return Box(BoxLimits(**limits))
-
-
-def ball(centre: tuple[float, float, float], radius: float) -> Ball:
-    return Ball(BallLimits(centre, radius))
-
-
-def half_space(normal: tuple[float, float, float], offset: float) -> HalfSpace:
-    return HalfSpace(HalfSpaceLimits(normal, offset))
-
-
-def polar(**limits: tuple[float, float]) -> Polar:
-    return Polar(PolarLimits(**limits))
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from geometry_integrals import meshed
+from region_words import ball, box, half_space, polar
 from scipy.integrate import quad
 
 from cardiosurf.geometry import Surface, build_surface
@@ -11,15 +12,7 @@ from cardiosurf.geometry.pinches import saddles
 from cardiosurf.geometry.quality import quality
 from cardiosurf.geometry.regions import (
     AnyOf,
-    Ball,
-    BallLimits,
-    Box,
-    BoxLimits,
-    HalfSpace,
-    HalfSpaceLimits,
     Part,
-    Polar,
-    PolarLimits,
 )
 from cardiosurf.geometry.sphere import Sphere
 from cardiosurf.geometry.torus import Torus
@@ -30,22 +23,6 @@ EDGE = 2.5
 RING, TUBE = 100.0, 50.0
 # of the atrium's join: an eighth of a turn of this radius, then 20 su straight on
 FILLET = 80.0 - 20.0 / np.tan(PI / 8)
-
-
-def box(**limits: tuple[float, float]) -> Box:
-    return Box(BoxLimits(**limits))
-
-
-def ball(centre: tuple[float, float, float], radius: float) -> Ball:
-    return Ball(BallLimits(centre, radius))
-
-
-def half_space(normal: tuple[float, float, float], offset: float) -> HalfSpace:
-    return HalfSpace(HalfSpaceLimits(normal, offset))
-
-
-def polar(**limits: tuple[float, float]) -> Polar:
-    return Polar(PolarLimits(**limits))
 
 
 @pytest.fixture(scope="module")
