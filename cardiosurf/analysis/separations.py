@@ -97,8 +97,8 @@ def separations(
     forward : bool
         Whether to follow the wave, or to go back to where it came from.
     """
-    edge, pace = _edge_and_pace(conductor, lat)
-    chosen = _spread(front, 2.0 * edge if spacing is None else spacing)
+    edge, pace = edge_and_pace(conductor, lat)
+    chosen = spread_over(front, 2.0 * edge if spacing is None else spacing)
     starts = Places(front.places.triangles[chosen], front.places.shares[chosen])
     paths = trajectories(conductor, lat, starts, forward=forward)
     every = edge * pace * (1.0 if forward else -1.0)
@@ -125,6 +125,23 @@ def measure(
         Whether the first is a neighbour of the last.
     """
     places = np.stack([path.at(times) for path in paths])
+    return between(places, times, window=window, closed=closed)
+
+
+def between(places: Floats, times: Floats, *, window: int, closed: bool) -> Separations:
+    """Return distances and their derivatives of places that move, each with the next.
+
+    Parameters
+    ----------
+    places : (k, t, 3) float
+        In the order in which they lie side by side, in su; NaN where they are not.
+    times : (t,) float
+        Levels of equal distance, in tu.
+    window : int
+        Levels on each side that a derivative is fitted to; at least 2.
+    closed : bool
+        Whether the first is a neighbour of the last.
+    """
     following = np.roll(places, -1, axis=0) if closed else places[1:]
     places = places if closed else places[:-1]
     vectors = following - places
@@ -171,7 +188,7 @@ def _derivatives(length: Floats, every: float, window: int) -> tuple[Floats, Flo
     return values, errors
 
 
-def _edge_and_pace(conductor: Conductor, lat: Floats) -> tuple[float, float]:
+def edge_and_pace(conductor: Conductor, lat: Floats) -> tuple[float, float]:
     """Return the mean edge, in su, and the median time that a front takes for a su, in tu."""
     hats, areas = conductor.hat_gradients()
     slope = np.einsum("mai,ma->mi", hats, lat[conductor.triangles])
@@ -181,7 +198,7 @@ def _edge_and_pace(conductor: Conductor, lat: Floats) -> tuple[float, float]:
     return edge, float(np.median(pace[np.isfinite(pace) & (pace > 0.0)]))
 
 
-def _spread(front: Wavefront, spacing: float) -> list[int]:
+def spread_over(front: Wavefront, spacing: float) -> list[int]:
     """Return points of a front about ``spacing`` apart, an equal part of its length each."""
     arc, length = front.arc(), front.length()
     count = max(int(length / spacing), 1)
