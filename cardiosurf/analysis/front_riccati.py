@@ -75,9 +75,7 @@ def front_riccati(
         inside = np.ones(count, dtype=np.bool_)
         inside[conductor.triangles[~chosen]] = False
         used, corners = np.unique(conductor.triangles[chosen], return_inverse=True)
-        piece = Conductor(
-            conductor.points[used], corners.reshape(-1, 3), conductor.tensor[chosen]
-        )
+        piece = Conductor(conductor.points[used], corners.reshape(-1, 3), conductor.tensor[chosen])
         own = inside[used]
         found[:, used[own]] = _piece(piece, lat[used], rings)[:, own]
     return FrontRiccati(*found)
@@ -94,7 +92,10 @@ def _piece(piece: Conductor, lat: Floats, rings: int) -> Floats:
     errors = [
         scale * _greatest_around(np.abs(far[k] - near[k]), owners, around.items) for k in range(2)
     ]
-    return np.stack([*far, *errors])
+    found = np.stack([*far, *errors])
+    # a value without its error says nothing
+    found[:, ~np.isfinite(found).all(axis=0)] = np.nan
+    return found
 
 
 def _derivatives(piece: Conductor, lat: Floats, rings: int) -> tuple[Floats, Floats]:
@@ -119,8 +120,9 @@ def _at_vertices(piece: Conductor) -> Floats:
     gather = scipy.sparse.csr_array(
         (np.repeat(areas, 3), (corners, owners)), shape=(count, len(areas))
     )
-    total = gather @ piece.tangential().reshape(-1, 9)
-    return np.asarray((total / (gather @ np.ones(len(areas)))[:, None]).reshape(-1, 3, 3))
+    total = np.asarray(gather @ piece.tangential().reshape(-1, 9))
+    around = np.asarray(gather @ np.ones(len(areas)))
+    return np.asarray((total / around[:, None]).reshape(-1, 3, 3))
 
 
 def _greatest_around(values: Floats, owners: Ints, items: Ints) -> Floats:

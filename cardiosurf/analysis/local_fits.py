@@ -96,5 +96,5 @@ def _within(triangles: Ints, count: int, rings: int) -> tuple[Ints, Ints]:
     pairs = step
     for _ in range(rings - 1):
         pairs = pairs @ step
-    pairs = pairs.tocoo()
-    return np.asarray(pairs.row, dtype=np.int64), np.asarray(pairs.col, dtype=np.int64)
+    rows = np.repeat(np.arange(count), np.diff(pairs.indptr))
+    return rows, np.asarray(pairs.indices, dtype=np.int64)

@@ -21,6 +21,10 @@ from cardiosurf.analysis.wavefronts import Wavefront, wavefronts
 from cardiosurf.arrays import Floats, Ints
 from cardiosurf.recording.recording import Recording
 
+SHORTER = 4
+"""Levels of a shorter window, to see what the window does."""
+LEFT_OUT = WINDOW**2 / (WINDOW**2 - SHORTER**2)
+"""What a parabola leaves out goes with the square of how far it reaches."""
 SPACING = 2.0
 """Distance of neighbours where they start, in mean edges."""
 STRIDE = 4
@@ -31,6 +35,10 @@ FEWEST = 6
 """Places of pairs that a vertex needs for a value."""
 FLATTEST = 0.01
 """Least eigenvalue of a fit whose places lie on all sides of the vertex."""
+MOST_FRONTS = 10_000
+"""So many fronts, one edge or more apart, are more than a wave runs through."""
+CLOSEST = 0.1
+"""Trajectories nearer to each other, in mean edges, have run into one: no pair any more."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +53,8 @@ class Pairs:
         |n|'/|n|, in 1/tu.
     relative : (k,) float
         |n|''/|n|, in 1/tu^2.
+    shorter : (k,) float
+        The same with ``SHORTER`` levels on each side.
     window : float
         Half the time that each was fitted to, in tu.
     """
@@ -52,6 +62,7 @@ class Pairs:
     places: Floats
     rate: Floats
     relative: Floats
+    shorter: Floats
     window: float
 
 
@@ -64,7 +75,9 @@ class MeasuredAcceleration:
     rate, rate_error : (n,) float
         |n|'/|n| of the pairs, in 1/tu: above 0 where neighbours part, below where they meet.
     relative, relative_error : (n,) float
-        |n|''/|n| of the pairs, in 1/tu^2. The errors are the scatter of the pairs about the fit.
+        |n|''/|n| of the pairs, in 1/tu^2. The errors are the scatter of the pairs about the fit,
+        and what the second derivative changes by when its window is shorter, scaled up as errors
+        of parabolas go.
     by_lat : FrontRiccati
         The same from derivatives of the LAT.
     edge : float
@@ -98,14 +111,15 @@ def measured_acceleration(
     """
     edge, _ = edge_and_pace(conductor, lat)
     pairs = pairs_everywhere(conductor, lat)
-    values = np.stack([pairs.rate, pairs.relative], axis=1)
+    change = pairs.relative - pairs.shorter
+    values = np.stack([pairs.rate, pairs.relative, change], axis=1)
     normals = vertex_normals(conductor.points, conductor.triangles)
     fitted, scatter = at_places(conductor.points, normals, pairs.places, values, REACH * edge)
     return MeasuredAcceleration(
         rate=fitted[:, 0],
         rate_error=scatter[:, 0],
         relative=fitted[:, 1],
-        relative_error=scatter[:, 1],
+        relative_error=np.hypot(scatter[:, 1], LEFT_OUT * fitted[:, 2]),
         by_lat=front_riccati(conductor, lat, labels),
         edge=edge,
         window=pairs.window,
@@ -126,9 +140,7 @@ def recorded_accelerations(recording: Recording) -> MeasuredAcceleration:
     return measured_acceleration(conductor, recording.first_activation, labels)
 
 
-def pairs_everywhere(
-    conductor: Conductor, lat: Floats, *, spacing: float = SPACING, window: int = WINDOW
-) -> Pairs:
+def pairs_everywhere(conductor: Conductor, lat: Floats) -> Pairs:
     """Measure pairs of trajectories that start on fronts all over the surface.
 
     Parameters
@@ -137,36 +149,39 @@ def pairs_everywhere(
         The triangles and their diffusivity.
     lat : (n,) float
         Activation times, in tu; NaN where never.
-    spacing : float
-        Distance of neighbours on their front, in mean edges.
-    window : int
-        Levels on each side that a derivative is fitted to.
     """
     edge, pace = edge_and_pace(conductor, lat)
     every = edge * pace
-    half = window + STRIDE // 2
-    steps = every * np.arange(-half, half + 1)
+    half = WINDOW + STRIDE // 2
+    steps = every * np.arange(-half, half + 1, dtype=np.float64)
     fronts = _fronts(conductor, lat, STRIDE * every)
-    chosen = [spread_over(front, spacing * edge) for front in fronts]
+    chosen = [spread_over(front, SPACING * edge) for front in fronts]
     ways = _followed(conductor, lat, fronts, chosen)
-    found: list[tuple[Floats, Floats, Floats]] = []
+    found: list[tuple[Floats, ...]] = []
     for front, points in zip(fronts, chosen, strict=True):
         times = front.time + steps
         places = np.stack([_at(next(ways), times) for _ in points])
-        pair = between(places, times, window=window, closed=front.closed)
-        known = np.isfinite(pair.relative)
-        rate = pair.rate / pair.length
-        found.append((pair.places[known], rate[known], pair.relative[known]))
+        pair, near = (
+            between(places, times, window=reach, closed=front.closed) for reach in (WINDOW, SHORTER)
+        )
+        length = np.where(pair.length > CLOSEST * edge, pair.length, np.nan)
+        parts = (pair.rate / length, pair.acceleration / length, near.acceleration / length)
+        known = np.isfinite(parts[1])
+        found.append((pair.places[known], *(part[known] for part in parts)))
     if not found:
-        return Pairs(np.zeros((0, 3)), np.zeros(0), np.zeros(0), window * every)
-    joined = (np.concatenate(part) for part in zip(*found, strict=True))
-    return Pairs(*joined, window=window * every)
+        return Pairs(np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros(0), WINDOW * every)
+    columns = [np.concatenate(part) for part in zip(*found, strict=True)]
+    return Pairs(columns[0], columns[1], columns[2], columns[3], WINDOW * every)
 
 
 def _fronts(conductor: Conductor, lat: Floats, apart: float) -> list[Wavefront]:
     """Return fronts so many tu apart, all that are long enough for two neighbours."""
     edge, _ = edge_and_pace(conductor, lat)
-    times = np.arange(np.nanmin(lat) + 0.5 * apart, np.nanmax(lat), apart)
+    known = lat[np.isfinite(lat)]
+    # where tissue was excited all at once, or never, no front runs
+    if not (known.size and np.isfinite(apart) and np.ptp(known) < MOST_FRONTS * apart):
+        return []
+    times = np.arange(known.min() + 0.5 * apart, known.max(), apart)
     every = [front for time in times for front in wavefronts(conductor, lat, float(time))]
     return [front for front in every if front.length() > 2.0 * SPACING * edge]
 

@@ -15,6 +15,7 @@ from typing import Any, Literal
 from cardiosurf.analysis.critical_jump import critical_jump
 from cardiosurf.analysis.planar_speed import curvature_factor, planar_speed
 from cardiosurf.errors import InputError
+from cardiosurf.json_schema import result_schema
 from cardiosurf.kinetics import AnyKinetics
 
 SCHEMA: Literal["cardiosurf/prediction/1"] = "cardiosurf/prediction/1"
@@ -166,10 +167,4 @@ class Prediction:
 
 def prediction_schema() -> dict[str, Any]:
     """Return the JSON Schema of prediction.json; every key is always there, and no other."""
-    from pydantic import TypeAdapter  # noqa: PLC0415 - of those who predict only `schema` needs it
-
-    schema = TypeAdapter(Prediction).json_schema(mode="serialization")
-    for part in (schema, *schema["$defs"].values()):
-        part["required"] = sorted(part["properties"])
-        part["additionalProperties"] = False
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA, **schema}
+    return result_schema(Prediction, SCHEMA)

@@ -195,7 +195,8 @@ def edge_and_pace(conductor: Conductor, lat: Floats) -> tuple[float, float]:
     pace = np.linalg.norm(slope, axis=1)
     # a triangle's area is that of an equilateral one of the mean edge, roughly
     edge = float(np.sqrt(np.mean(areas) * 4.0 / np.sqrt(3.0)))
-    return edge, float(np.median(pace[np.isfinite(pace) & (pace > 0.0)]))
+    moving = pace[np.isfinite(pace) & (pace > 0.0)]
+    return edge, float(np.median(moving)) if moving.size else float("nan")
 
 
 def spread_over(front: Wavefront, spacing: float) -> list[int]:

@@ -5,6 +5,7 @@ from typing import Any, Literal
 
 from cardiosurf.analysis.block import TargetFinding, TargetVerdict
 from cardiosurf.analysis.reentry import ReentryFinding, ReentryVerdict
+from cardiosurf.json_schema import result_schema
 
 SCHEMA: Literal["cardiosurf/verdict/1"] = "cardiosurf/verdict/1"
 
@@ -159,10 +160,4 @@ def whole_verdict(
 
 def verdict_schema() -> dict[str, Any]:
     """Return the JSON Schema of verdict.json; every key is always there, and no other."""
-    from pydantic import TypeAdapter
-
-    schema = TypeAdapter(Verdict).json_schema(mode="serialization")
-    for part in (schema, *schema["$defs"].values()):
-        part["required"] = sorted(part["properties"])
-        part["additionalProperties"] = False
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA, **schema}
+    return result_schema(Verdict, SCHEMA)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,17 @@ if TYPE_CHECKING:
     from cardiosurf.config import Loaded
     from cardiosurf.geometry.surface import Surface
 
+SCHEMAS = {
+    "config": "cardiosurf.config:config_schema",
+    "scenario": "cardiosurf.config.scenario:scenario_schema",
+    "verdict": "cardiosurf.analysis.verdict:verdict_schema",
+    "threshold": "cardiosurf.study.threshold_result:threshold_schema",
+    "prediction": "cardiosurf.analysis.prediction:prediction_schema",
+    "discrete": "cardiosurf.study.discrete_game:game_schema",
+    "reentry": "cardiosurf.analysis.rotation_json:reentry_schema",
+    "acceleration": "cardiosurf.analysis.acceleration_summary:acceleration_schema",
+}
+"""What has a schema -> module and function that returns it."""
 OVERRIDE_HELP = "Change one key: a.b.c=value; list items by number or by their name."
 
 
@@ -94,11 +106,7 @@ def mesh(config: str, overrides: tuple[str, ...], output: Path | None, *, overwr
 
 
 @click.command()
-@click.argument(
-    "what",
-    type=click.Choice(["config", "scenario", "verdict", "threshold", "prediction"]),
-    default="config",
-)
+@click.argument("what", type=click.Choice(list(SCHEMAS)), default="config")
 def schema(what: str) -> None:
     r"""Print the JSON Schema of a config or of a result.
 
@@ -109,27 +117,8 @@ def schema(what: str) -> None:
       # and as first line of a config:
       # yaml-language-server: $schema=cardiosurf.schema.json
     """
-    if what == "config":
-        from cardiosurf.config import config_schema
-
-        published = config_schema()
-    elif what == "scenario":
-        from cardiosurf.config.scenario import scenario_schema
-
-        published = scenario_schema()
-    elif what == "threshold":
-        from cardiosurf.study.threshold_result import threshold_schema
-
-        published = threshold_schema()
-    elif what == "prediction":
-        from cardiosurf.analysis.prediction import prediction_schema
-
-        published = prediction_schema()
-    else:
-        from cardiosurf.analysis.verdict import verdict_schema
-
-        published = verdict_schema()
-    click.echo(json.dumps(published, indent=2))
+    module, function = SCHEMAS[what].split(":")
+    click.echo(json.dumps(getattr(import_module(module), function)(), indent=2))
 
 
 def _contents(loaded: Loaded) -> str:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cardiosurf.errors import InputError
+
 if TYPE_CHECKING:
     from cardiosurf.analysis.verdict import Verdict
     from cardiosurf.recording.recording import Recording
@@ -109,17 +111,40 @@ def run(
     is_flag=True,
     help="Print cycle lengths, the circuit and phase singularities instead of the verdict.",
 )
+@click.option(
+    "--acceleration",
+    "with_acceleration",
+    is_flag=True,
+    help="Measure the relative acceleration of neighbouring trajectories, print what it is where,"
+    " and write its map: relative_acceleration.vtu and .png.",
+)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    help="Folder for what --acceleration writes; beside the recording unless given.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
-def analyze(recording: Path, *, with_reentry: bool, as_json: bool) -> None:
+def analyze(
+    recording: Path,
+    output: Path | None,
+    *,
+    with_reentry: bool,
+    with_acceleration: bool,
+    as_json: bool,
+) -> None:
     r"""Judge a recording again and print its verdict.
 
-    RECORDING is a recording.h5 or a run's folder that holds one. Nothing is written.
+    RECORDING is a recording.h5 or a run's folder that holds one. Nothing is written, but for the
+    map that --acceleration asks for.
 
     \b
     Examples:
       cardiosurf analyze runs/t-domain-head-on
       cardiosurf analyze runs/spiral --reentry
+      cardiosurf analyze runs/plane-block --acceleration
     """
+    _check_options(output, with_reentry=with_reentry, with_acceleration=with_acceleration)
     from cardiosurf.analysis.findings import judge_recording
     from cardiosurf.recording.hdf5 import read_recording
 
@@ -127,8 +152,42 @@ def analyze(recording: Path, *, with_reentry: bool, as_json: bool) -> None:
     read = read_recording(path, with_frames=with_reentry)
     if with_reentry:
         _show_reentry(read, as_json=as_json)
+    elif with_acceleration:
+        _show_acceleration(read, output or path.parent, as_json=as_json)
     else:
         _show(judge_recording(read), [], as_json=as_json)
+
+
+def _check_options(output: Path | None, *, with_reentry: bool, with_acceleration: bool) -> None:
+    """Refuse options that contradict each other."""
+    if with_reentry and with_acceleration:
+        raise InputError("--acceleration", "and --reentry both say what to print", "one of them")
+    if output is not None and not with_acceleration:
+        raise InputError(f"-o {output}", "nothing is written", "-o with --acceleration only")
+
+
+def _show_acceleration(read: Recording, folder: Path, *, as_json: bool) -> None:
+    """Measure the relative acceleration, write its map, print its numbers."""
+    from cardiosurf.analysis.acceleration_summary import summarise
+    from cardiosurf.analysis.measured_acceleration import recorded_accelerations
+    from cardiosurf.report.acceleration_lines import acceleration_lines
+
+    found = recorded_accelerations(read)
+    summary = summarise(read, found)
+    # matplotlib takes long to import, and nothing before it needs it
+    from cardiosurf.recording.whole_file import made_folder
+    from cardiosurf.report.acceleration_map import acceleration_map, write_acceleration
+    from cardiosurf.report.canvas import save
+
+    figure = acceleration_map(read, found)
+    stem = made_folder(folder) / "relative_acceleration"
+    write_acceleration(read, found, stem.with_suffix(".vtu"))
+    save(figure, stem, ("png",))
+    if as_json:
+        click.echo(json.dumps(summary.to_json(), indent=2))
+    else:
+        lines = acceleration_lines(summary)
+        click.echo("\n".join([*lines, f"  written to {stem}.vtu and .png"]))
 
 
 def _show_reentry(read: Recording, *, as_json: bool) -> None:

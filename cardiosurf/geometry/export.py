@@ -1,10 +1,12 @@
 """Writing a surface's mesh to the formats that hold triangles on a surface."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import meshio
 import numpy as np
 
+from cardiosurf.arrays import Floats, Ints
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.surface import Surface
 
@@ -83,6 +85,33 @@ def write_mesh(surface: Surface, path: Path | str) -> None:
             raise _unwritable(path, problem) from problem
     except (KeyError, ValueError, meshio.ReadError) as problem:
         raise _unwritable(path, problem) from problem
+
+
+def write_fields(
+    surface: Surface, path: Path, fields: Mapping[str, Floats], cells: Mapping[str, Ints]
+) -> None:
+    """Write a mesh with fields on it as VTU, which ParaView and meshio open.
+
+    Parameters
+    ----------
+    surface : Surface
+        The mesh.
+    path : Path
+        File to write, whatever its ending.
+    fields : mapping of str to (n,) float
+        Vertex fields by their names; NaN where there is no value.
+    cells : mapping of str to (m,) int
+        Triangle fields by their names.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    cell_data = {name: [np.asarray(values)] for name, values in cells.items()}
+    triangles = [("triangle", surface.triangles)]
+    mesh = meshio.Mesh(surface.points, triangles, point_data=dict(fields), cell_data=cell_data)
+    meshio.write(path, mesh, file_format="vtu")
 
 
 def _unwritable(path: Path, problem: Exception) -> InputError:

@@ -1,7 +1,7 @@
 """A config played with Appendix B's units, the triangles of its surface."""
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -12,12 +12,14 @@ from cardiosurf.discrete.play import Play, Rule, play
 from cardiosurf.discrete.triangles import Units, units_of
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.surface import Surface
+from cardiosurf.json_schema import result_schema
 from cardiosurf.study.edges import edge_of
 from cardiosurf.study.setup import check_targets
 from cardiosurf.study.surface_cache import surface_of
 from cardiosurf.tissue.stimuli import build_pulses
 from cardiosurf.tissue.tensor import build_tissue
 
+SCHEMA: Literal["cardiosurf/discrete/1"] = "cardiosurf/discrete/1"
 MOST = 2000.0
 """Excitation times after which a game is ended, if it has not ended by itself."""
 
@@ -44,9 +46,9 @@ class TargetShare:
     first_activation: float | None
 
 
-@dataclass(frozen=True)
-class Game:
-    """A finished game.
+@dataclass(frozen=True, kw_only=True)
+class GameFinding:
+    """What came of a game, as ``cardiosurf discrete --json`` prints it.
 
     Attributes
     ----------
@@ -68,8 +70,6 @@ class Game:
         How often the unit that was excited most often was excited.
     targets : tuple of TargetShare
         What became of each target.
-    first : (m,) float
-        First excitation of each unit (triangle); NaN never.
     """
 
     name: str
@@ -82,13 +82,31 @@ class Game:
     ended: bool
     most_activations: int
     targets: tuple[TargetShare, ...]
+    schema: Literal["cardiosurf/discrete/1"] = SCHEMA
+
+
+@dataclass(frozen=True, kw_only=True)
+class Game(GameFinding):
+    """A finished game.
+
+    Attributes
+    ----------
+    first : (m,) float
+        First excitation of each unit (triangle); NaN never.
+    """
+
     first: Floats
 
     def to_json(self) -> dict[str, Any]:
-        """Return all but the map, for JSON."""
+        """Return all but the map as plain JSON data, ``schema`` first."""
         told = asdict(self)
         del told["first"]
-        return {"schema": "cardiosurf/discrete/1", **told}
+        return {"schema": told.pop("schema"), **told}
+
+
+def game_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a game's finding; every key is always there, and no other."""
+    return result_schema(GameFinding, SCHEMA)
 
 
 def play_config(config: Config, rule: Rule, *, loads: bool = True) -> Game:

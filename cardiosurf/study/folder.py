@@ -16,12 +16,13 @@ from cardiosurf.study.lock import NAME, locked
 RECORDING, CONFIG, VERDICT = "recording.h5", "config.yaml", "verdict.json"
 FILES = (RECORDING, "recording.xdmf", "recording_maps.xdmf", CONFIG, VERDICT)
 """What a run may write, the verdict last: it marks a finished run."""
-FIGURES = tuple(
-    f"{stem}.{ending}"
-    for stem in ("activation_map", "vein_unrolled", "activation_count", "probe_traces")
-    for ending in ("png", "svg", "pdf")
+_DRAWN = ("activation_map", "vein_unrolled", "activation_count", "reentry_map", "probe_traces")
+FIGURES = (
+    *(f"{stem}.{ending}" for stem in _DRAWN for ending in ("png", "svg", "pdf")),
+    "relative_acceleration.png",
+    "relative_acceleration.vtu",
 )
-"""What ``plot`` draws of a run; a new run makes them wrong."""
+"""What ``plot`` and ``analyze`` make of a run; a new run makes them wrong."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from cardiosurf.arrays import Floats, Mask
 from cardiosurf.config import Config, Loaded
 from cardiosurf.config.sections import regions_of, target_key
 from cardiosurf.geometry.surface import Surface
-from cardiosurf.recording.whole_file import unwritable, whole_file
+from cardiosurf.recording.whole_file import made_folder, whole_file
 from cardiosurf.study.edges import edge_of
 from cardiosurf.study.setup import check_targets
 from cardiosurf.study.surface_cache import surface_of
@@ -96,11 +96,7 @@ def write_prediction(prediction: Prediction, folder: Path) -> None:
     InputError
         The folder cannot be written to.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise unwritable(folder, error) from error
-    with whole_file(folder / FILE) as partial:
+    with whole_file(made_folder(folder) / FILE) as partial:
         partial.write_text(json.dumps(prediction.to_json(), indent=2) + "\n", encoding="utf-8")
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from cardiosurf.errors import InputError
-from cardiosurf.recording.whole_file import unwritable, whole_file
+from cardiosurf.recording.whole_file import made_folder, whole_file
 from cardiosurf.study.check import CaseResult
 
 SCHEMA = "cardiosurf/results/1"
@@ -60,11 +60,7 @@ class Results:
             The folder cannot be written to.
         """
         data = {"schema": SCHEMA, "entries": dict(sorted(entries.items()))}
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise unwritable(self.folder, error) from error
-        with whole_file(self.folder / f"{kind}.json") as partial:
+        with whole_file(made_folder(self.folder) / f"{kind}.json") as partial:
             partial.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
 
     def keep(self, kind: Kind, name: str, entry: Entry) -> None:

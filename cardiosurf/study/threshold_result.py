@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from cardiosurf.json_schema import result_schema
 from cardiosurf.study.critical import Change
 from cardiosurf.study.extrapolation import LEVELS, OrderIs, Sample, extrapolate
 
@@ -223,13 +224,7 @@ def critical_value(change: Change, levels: Sequence[Level]) -> CriticalValue:
 
 def threshold_schema() -> dict[str, Any]:
     """Return the JSON Schema of threshold.json; every key is always there, and no other."""
-    from pydantic import TypeAdapter  # noqa: PLC0415 - of those who search only `schema` needs it
-
-    schema = TypeAdapter(Threshold).json_schema(mode="serialization")
-    for part in (schema, *schema["$defs"].values()):
-        part["required"] = sorted(part["properties"])
-        part["additionalProperties"] = False
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA, **schema}
+    return result_schema(Threshold, SCHEMA)
 
 
 def _presence(change: Change, levels: Sequence[Level]) -> str:

@@ -76,7 +76,7 @@ def test_what_is_printed(circling):
     data = reentry_json(analyse_reentry(circling))
     assert data["schema"] == "cardiosurf/reentry/1"
     assert data["circuit"]["encloses"]["rims"] == ("inner",)
-    assert data["phases"]["tracks"] == []
+    assert data["phases"]["tracks"] == ()
 
 
 def test_one_wave_has_no_cycle():
