@@ -7,7 +7,7 @@ export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: help install run sweep verdicts thresholds reproduction test test-slow bench roofline
-.PHONY: figures check format clean
+.PHONY: figures discrete check format clean
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -68,6 +68,13 @@ $(PEERS)/.installed: benchmarks/peers/requirements.txt
 figures: $(STAMP)  ## draw the figures of the theory again (docs/images)
 	$(BIN)/python -m cardiosurf.report.theory_figures docs/images
 	$(BIN)/python -m cardiosurf.report.roc_figure docs/results/prediction.csv docs/images
+	$(BIN)/cardiosurf run configs/plane_block.yaml --set tissue.patches.block.anisotropy.x=4 \
+		-o runs/figures/plane-4 --overwrite
+	$(BIN)/cardiosurf analyze runs/figures/plane-4 --acceleration -o docs/images
+	rm docs/images/relative_acceleration.vtu
+
+discrete: $(STAMP)  ## Appendix B's units against the simulation: what is missing is asked
+	$(BIN)/python -m cardiosurf.report.discrete_study .
 
 check: $(STAMP)  ## ruff, mypy --strict, import-linter
 	$(BIN)/ruff check .

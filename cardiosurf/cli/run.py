@@ -176,13 +176,17 @@ def _show_acceleration(read: Recording, folder: Path, *, as_json: bool) -> None:
     summary = summarise(read, found)
     # matplotlib takes long to import, and nothing before it needs it
     from cardiosurf.recording.whole_file import made_folder
-    from cardiosurf.report.acceleration_map import acceleration_map, write_acceleration
+    from cardiosurf.report.acceleration_map import (
+        DOTS_PER_INCH,
+        acceleration_map,
+        write_acceleration,
+    )
     from cardiosurf.report.canvas import save
 
     figure = acceleration_map(read, found)
     stem = made_folder(folder) / "relative_acceleration"
     write_acceleration(read, found, stem.with_suffix(".vtu"))
-    save(figure, stem, ("png",))
+    save(figure, stem, ("png",), dots_per_inch=DOTS_PER_INCH)
     if as_json:
         click.echo(json.dumps(summary.to_json(), indent=2))
     else:

@@ -19,6 +19,8 @@ from cardiosurf.report.canvas import INK, new_figure
 from cardiosurf.report.views import View, flat_views
 
 SIGNED, ERRORS = "RdBu_r", "magma_r"
+DOTS_PER_INCH = 110
+"""Three panels side by side are wide enough."""
 DECADES = 100.0
 """Smaller values than so many times less than the greatest are not told apart by their colours."""
 MOST = 0.98

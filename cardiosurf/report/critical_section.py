@@ -12,6 +12,7 @@ from cardiosurf.report.front_measures import MEASURES, correlations
 from cardiosurf.report.kept import Row, SearchRows
 from cardiosurf.report.markdown import image_file, table
 from cardiosurf.report.threshold_lines import with_error
+from cardiosurf.study.results import Entry
 
 MISSING = "not run yet"
 
@@ -163,12 +164,21 @@ def critical_words(row: Row) -> str:
     row : Row
         The search of a case and its result.
     """
-    if row.entry is None:
-        return MISSING
-    if not row.entry["changes"]:
-        low, high = row.entry["between"]
+    return MISSING if row.entry is None else change_words(row.entry)
+
+
+def change_words(entry: Entry) -> str:
+    """Return the critical values of a search's result in a few words.
+
+    Parameters
+    ----------
+    entry : mapping
+        It, with ``changes`` and ``between``.
+    """
+    if not entry["changes"]:
+        low, high = entry["between"]
         return f"no change from {low:g} to {high:g}"
-    return ", ".join(_change(change) for change in row.entry["changes"])
+    return ", ".join(_change(change) for change in entry["changes"])
 
 
 def _change(change: dict[str, Any]) -> str:

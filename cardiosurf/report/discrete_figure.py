@@ -5,14 +5,11 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from cardiosurf.arrays import Floats, Mask
-from cardiosurf.discrete.network import Packing, packed
-from cardiosurf.discrete.play import Play, Rule, play
+from cardiosurf.discrete.packings import HALF, block_of_fibres
+from cardiosurf.discrete.play import Rule
 from cardiosurf.discrete.stops import Layers, expansion, fibre
 from cardiosurf.report.canvas import INK, NEVER, STIMULUS, new_figure
 
-HALF = 20.0
-"""Half side of the plane of units, in distances between them; the block has half of it."""
 SPEED = 4.0
 ANISOTROPY = 16.0
 
@@ -32,34 +29,6 @@ def stopping() -> Figure:
     _layers(axes[1, 0], title, fibre(SPEED, (3, 4)))
     _block(axes[1, 1])
     return figure
-
-
-def block_of_fibres(factor: float, rule: Rule, *, loads: bool = True) -> tuple[Packing, Play]:
-    """Return problem 1 of Appendix C in a packing, and what a wave from above makes of it.
-
-    Rows of the packing lie along the wave's front; the fibres run with the wave, along y.
-
-    Parameters
-    ----------
-    factor : float
-        Anisotropy of the block.
-    rule : Rule
-        What a unit can do.
-    loads : bool
-        As in ``link_factors``.
-    """
-
-    def inside(places: Floats) -> Mask:
-        return np.asarray((np.abs(places) <= HALF).all(axis=1))
-
-    def diffusivity(places: Floats) -> Floats:
-        factors = np.ones_like(places)
-        factors[(np.abs(places) <= 0.5 * HALF).all(axis=1), 1] = factor
-        return factors
-
-    packing = packed(inside, 1.5 * HALF, diffusivity, loads=loads)
-    start = np.flatnonzero(packing.places[:, 1] > HALF - 2.0)
-    return packing, play(packing.network, rule, start, most=3.0 * HALF)
 
 
 def _layers(axes: Axes, title: str, layers: Layers) -> None:

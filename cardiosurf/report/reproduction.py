@@ -76,7 +76,7 @@ def _claim(kept: Kept, row: Row) -> list[str]:
     edges = [entry["edge_length"], *_guard_edges(entry)]
     return [
         *first,
-        _found(entry["verdict"]),
+        found_words(entry["verdict"]),
         agrees,
         critical,
         entry["converged"] or "not asked",
@@ -85,8 +85,14 @@ def _claim(kept: Kept, row: Row) -> list[str]:
     ]
 
 
-def _found(verdict: dict[str, Any]) -> str:
-    """Return a verdict in a few words."""
+def found_words(verdict: dict[str, Any]) -> str:
+    """Return a verdict in a few words.
+
+    Parameters
+    ----------
+    verdict : mapping
+        verdict.json of a run.
+    """
     whole = str(verdict["verdict"]).replace("_", " ")
     parts = []
     for target in verdict["targets"]:
@@ -164,7 +170,7 @@ def _is_of(figure: Row, case: Row) -> bool:
 def _outcome(entry: dict[str, Any]) -> str:
     if entry["verdict"] is None:
         return f"failed ({entry['error']['kind']})"
-    return _found(entry["verdict"])
+    return found_words(entry["verdict"])
 
 
 def _figure(row: Row, figure: Figure, images: str) -> list[str]:

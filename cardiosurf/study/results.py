@@ -12,7 +12,7 @@ from cardiosurf.recording.whole_file import made_folder, whole_file
 from cardiosurf.study.check import CaseResult
 
 SCHEMA = "cardiosurf/results/1"
-Kind = Literal["cases", "thresholds", "entrances", "figures"]
+Kind = Literal["cases", "thresholds", "entrances", "figures", "discrete"]
 Entry: TypeAlias = dict[str, Any]
 ASKED = "asked"
 """The key of an entry that holds the hash of what was asked."""
@@ -26,7 +26,7 @@ class Results:
     Attributes
     ----------
     folder : Path
-        It holds ``cases.json``, ``thresholds.json``, ``entrances.json``, ``figures.json``.
+        It holds a file for each kind: ``cases.json``, ``thresholds.json``, ...
     """
 
     folder: Path

@@ -5,11 +5,11 @@ import pytest
 
 from cardiosurf.config import load
 from cardiosurf.discrete.network import link_factors, linked
+from cardiosurf.discrete.packings import block_of_fibres
 from cardiosurf.discrete.play import Rule, play
 from cardiosurf.discrete.triangles import units_of
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.sphere import Sphere
-from cardiosurf.report.discrete_figure import block_of_fibres
 from cardiosurf.study.discrete_game import play_config
 from cardiosurf.study.surface_cache import surface_of
 from cardiosurf.tissue.patches import TissueSection
