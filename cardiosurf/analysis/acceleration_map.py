@@ -57,6 +57,11 @@ class AccelerationMap:
     of_spread: Floats
     width: float
 
+    @property
+    def together(self) -> Floats:
+        """Return of_velocity + of_change, (m,): v = dv/dlambda = 1, dv/dn = 0 as in Case II."""
+        return self.of_velocity + self.of_change
+
 
 class Smoothing:
     """Smoothing of triangle fields to the vertices of a surface, over a stated width.

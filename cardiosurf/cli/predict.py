@@ -17,7 +17,7 @@ OVERRIDE_HELP = "Change one key: a.b.c=value; list items by number or by their n
     "-o",
     "--output",
     type=click.Path(path_type=Path),
-    help="Folder for prediction.json and prediction.png.  [default: runs/NAME/prediction]",
+    help="Folder for prediction.json, .vtu and .png.  [default: runs/NAME/prediction]",
 )
 @click.option(
     "--width",
@@ -58,10 +58,11 @@ def predict(
         predicted = make(loaded, WIDTH if width is None else width)
     # matplotlib takes long to import, and nothing before it needs it
     from cardiosurf.report.canvas import save
-    from cardiosurf.report.prediction_map import prediction_map
+    from cardiosurf.report.prediction_map import prediction_map, write_maps
 
     figure = prediction_map(predicted)
     write_prediction(predicted.prediction, folder)
+    write_maps(predicted, folder / "prediction.vtu")
     save(figure, folder / "prediction", ("png",))
     if as_json:
         click.echo(json.dumps(predicted.prediction.to_json(), indent=2))

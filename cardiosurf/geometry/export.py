@@ -88,7 +88,7 @@ def write_mesh(surface: Surface, path: Path | str) -> None:
 
 
 def write_fields(
-    surface: Surface, path: Path, fields: Mapping[str, Floats], cells: Mapping[str, Ints]
+    surface: Surface, path: Path, fields: Mapping[str, Floats], cells: Mapping[str, Ints | Floats]
 ) -> None:
     """Write a mesh with fields on it as VTU, which ParaView and meshio open.
 
@@ -100,7 +100,7 @@ def write_fields(
         File to write, whatever its ending.
     fields : mapping of str to (n,) float
         Vertex fields by their names; NaN where there is no value.
-    cells : mapping of str to (m,) int
+    cells : mapping of str to (m,) int or float
         Triangle fields by their names.
 
     Raises

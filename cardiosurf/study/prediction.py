@@ -6,6 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
+from cardiosurf.analysis.acceleration_map import (
+    AccelerationMap,
+    acceleration_map,
+    lat_direction,
+)
 from cardiosurf.analysis.patch_prediction import Arrivals, arrivals, patch_prediction
 from cardiosurf.analysis.prediction import Front, Prediction, TargetArrival
 from cardiosurf.arrays import Floats, Mask
@@ -36,6 +41,9 @@ class Predicted:
         The stimuli.
     arrivals : Arrivals
         Of the wave without the patches and with them.
+    acceleration : AccelerationMap or None
+        The paper's relative acceleration in the directions of the undisturbed wave; None where no
+        patch can be excited.
     """
 
     prediction: Prediction
@@ -43,6 +51,7 @@ class Predicted:
     tissue: Tissue
     pulses: tuple[Pulse, ...]
     arrivals: Arrivals
+    acceleration: AccelerationMap | None
 
 
 def predict(loaded: Loaded, width: float) -> Predicted:
@@ -85,7 +94,9 @@ def predict(loaded: Loaded, width: float) -> Predicted:
         targets=_targets(config, surface, found.as_it_is),
         patches=patches,
     )
-    return Predicted(prediction, surface, tissue, pulses, found)
+    direction = lat_direction(surface, found.undisturbed)
+    terms = acceleration_map(surface, tissue.tensor, direction, width) if patches else None
+    return Predicted(prediction, surface, tissue, pulses, found, terms)
 
 
 def write_prediction(prediction: Prediction, folder: Path) -> None:
