@@ -21,6 +21,7 @@ SCHEMAS = {
     "scenario": "cardiosurf.config.scenario:scenario_schema",
     "verdict": "cardiosurf.analysis.verdict:verdict_schema",
     "threshold": "cardiosurf.study.threshold_result:threshold_schema",
+    "check": "cardiosurf.study.check_schema:check_schema",
     "prediction": "cardiosurf.analysis.prediction:prediction_schema",
     "discrete": "cardiosurf.study.discrete_game:game_schema",
     "reentry": "cardiosurf.analysis.rotation_json:reentry_schema",

@@ -10,11 +10,11 @@ from cardiosurf.config.expectation import Plain
 from cardiosurf.report.summary import target_line
 from cardiosurf.report.table import table_lines
 from cardiosurf.study.check import CaseResult, CheckResult
+from cardiosurf.study.check_schema import SCHEMA
 from cardiosurf.study.outcome import Compared
 from cardiosurf.study.pairs import PairResult
 from cardiosurf.study.results import case_json
 
-SCHEMA = "cardiosurf/check/1"
 _HEADS = (
     "",
     "scenario",

@@ -89,7 +89,12 @@ def _units(question: Question, entry: Entry | None) -> list[str]:
 
 def _packed(answer: Mapping[str, Any]) -> str:
     value = f"{answer['value']:.4g}"
-    return f"{answer['unit']} = {value}" if answer["unit"] == "s" else f"{value} {answer['unit']}"
+    return f"s = {value}" if answer["unit"] == "s" else _number(value, answer["unit"])
+
+
+def _number(value: str | int, of: str) -> str:
+    """Return a number of things, whose word ends in s unless it is one."""
+    return f"{value} {of.removesuffix('s') if str(value) == '1' else of}"
 
 
 def _played(answer: Mapping[str, Any]) -> str:
@@ -101,7 +106,7 @@ def _played(answer: Mapping[str, Any]) -> str:
         words = ", ".join(f"{name}: {verdict}" for name, verdict in targets.items())
     more = []
     if answer["failures"]:
-        more.append(f"{answer['failures']} units charged in vain")
+        more.append(f"{_number(answer['failures'], 'units')} charged in vain")
     if answer["most_activations"] > 1:
         more.append("reentry" if answer["ended"] else "reentry, still going")
     return f"{words} ({'; '.join(more)})" if more else words

@@ -30,6 +30,17 @@ time: {end: 2600}
 record: {frames_every: 20, probes: [{name: corner, at: [25, 25, 0]}]}
 """
 WRITTEN_BY_HAND = {"config", "scenario"}
+SCENARIO = """\
+name: strips
+base: strip.yaml
+cases:
+  - {name: free, expect: {verdict: conduction}}
+  - name: walled
+    set: {tissue.patches: [{name: wall, region: {box: {x: [25, 55]}}, excitable: false}]}
+    published: block
+    expect: {verdict: block, far: block}
+pairs: [{name: both, forward: free, backward: walled, target: far, expect: unidirectional}]
+"""
 COMMANDS = {
     "verdict": ("analyze", "{strip}", "--json"),
     "threshold": (
@@ -37,6 +48,7 @@ COMMANDS = {
         *("--edges", "6,5,4", "--scan", "2", "--tolerance", "60", "-o", "{folder}/search"),
         "--json",
     ),
+    "check": ("check", "{folder}/scenario.yaml", "-o", "{folder}/checked", "--json"),
     "prediction": ("predict", "{folder}/strip.yaml", "-o", "{folder}/predicted", "--json"),
     "discrete": ("discrete", "{folder}/strip.yaml", "--json"),
     "reentry": ("analyze", "{rotor}", "--reentry", "--json"),
@@ -51,6 +63,7 @@ every_schema = pytest.mark.parametrize("name", SCHEMAS)
 def places(tmp_path_factory):
     folder = tmp_path_factory.mktemp("schemas")
     made = {"folder": str(folder)}
+    (folder / "scenario.yaml").write_text(SCENARIO)
     for name, text in (("strip", STRIP), ("rotor", ROTOR)):
         (folder / f"{name}.yaml").write_text(text)
         made[name] = str(folder / name)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from cardiosurf.errors import InputError
@@ -53,10 +54,16 @@ def test_the_strands_two_walls_hold_its_width_between_them(kept):
     )
     for one, other in zip(helped, loaded, strict=True):
         assert one["high"] < other["low"]
-    (value, error), (other, more) = (
-        simulated(kept, name) for name in ("strand", "strand-passive-wall")
-    )
-    assert abs(value - other) < error + more
+    # of first order, so that lines to edge 0 meet; brackets of +-0.02 move each by 0.03
+    ends = [
+        np.polyfit(
+            [one["edge_length"] for one in levels],
+            [0.5 * (one["low"] + one["high"]) for one in levels],
+            1,
+        )[1]
+        for levels in (helped, loaded)
+    ]
+    assert ends[0] == pytest.approx(ends[1], abs=0.06)
 
 
 def test_the_units_answers_are_those_by_hand(kept):
