@@ -45,19 +45,24 @@ class LocalFits:
         away = points[there] - points[here]
         edge = float(np.sqrt(np.mean(np.einsum("ki,ki->k", away, away))))
         x, y = np.einsum("kai,ki->ak", planes[here], away) / edge
-        terms = np.stack([np.ones_like(x), x, y, 0.5 * x * x, x * y, 0.5 * y * y], axis=1)
+        terms = (np.ones_like(x), x, y, 0.5 * x * x, x * y, 0.5 * y * y)
         system = np.empty((count, 6, 6))
         for i in range(6):
             for j in range(i + 1):
-                sums = np.bincount(here, terms[:, i] * terms[:, j], count)
+                sums = np.bincount(here, terms[i] * terms[j], count)
                 system[:, i, j] = system[:, j, i] = sums
         number = np.bincount(here, minlength=count)
         flattest = np.linalg.eigvalsh(system / np.maximum(number, 1)[:, None, None])[:, 0]
         self.known: Mask = np.asarray((number >= FEWEST) & (flattest > FLATTEST))
         inverse = np.full((count, 6, 6), np.nan)
         inverse[self.known] = np.linalg.inv(system[self.known])
-        slopes = np.einsum("kaq,kq->ka", inverse[here, 1:3], terms) / edge
-        shares = np.einsum("ka,kai->ik", slopes, planes[here])
+        # term by term: all of the inverses at every pair would take a gigabyte at 10^5 vertices
+        along, across = (
+            sum(inverse[here, row, k] * term for k, term in enumerate(terms)) / edge
+            for row in (1, 2)
+        )
+        first, second = planes[here].transpose(1, 2, 0)
+        shares = along * first + across * second
         self._operators = [
             scipy.sparse.csr_array((share, (here, there)), shape=(count, count)) for share in shares
         ]

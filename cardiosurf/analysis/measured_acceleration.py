@@ -231,31 +231,53 @@ def at_places(
     fitted, scatter : (n, c) float
         NaN where there are too few places, or none on one side.
     """
-    count = len(points)
-    fitted, scatter = np.full((2, count, values.shape[1]), np.nan)
     tree = scipy.spatial.cKDTree(points)
     close = tree.sparse_distance_matrix(
         scipy.spatial.cKDTree(places), reach, output_type="coo_matrix"
     )
-    here, there = close.row, close.col
-    weight = (1.0 - (close.data / reach) ** 2) ** 2
+    here, there = close.row.astype(np.int64), close.col.astype(np.int64)
     away = (places[there] - points[here]) / reach
-    seen = np.einsum("kai,ki->ka", tangent_planes(normals)[here], away)
-    terms = np.concatenate([np.ones((len(seen), 1)), seen], axis=1)
-    system = np.empty((count, 3, 3))
-    for i in range(3):
-        for j in range(3):
-            system[:, i, j] = np.bincount(here, weight * terms[:, i] * terms[:, j], count)
-    total = np.maximum(system[:, 0, 0], 1e-300)
-    flattest = np.linalg.eigvalsh(system / total[:, None, None])[:, 0]
-    known = (np.bincount(here, minlength=count) >= FEWEST) & (flattest > FLATTEST)
-    for part, column in enumerate(values.T):
-        right = np.stack(
-            [np.bincount(here, weight * terms[:, i] * column[there], count) for i in range(3)], 1
-        )
-        line = np.zeros((count, 3))
-        line[known] = np.linalg.solve(system[known], right[known][:, :, None])[:, :, 0]
-        left = column[there] - np.einsum("ki,ki->k", terms, line[here])
-        spread = np.sqrt(np.bincount(here, weight * left * left, count) / total)
-        fitted[known, part], scatter[known, part] = line[known, 0], spread[known]
+    seen = np.einsum("kai,ki->ak", tangent_planes(normals)[here], away)
+    lines = _Lines(here, seen, (1.0 - (close.data / reach) ** 2) ** 2, len(points))
+    columns = [lines.fit(column[there]) for column in values.T]
+    fitted, scatter = (np.stack(part, axis=1) for part in zip(*columns, strict=True))
     return fitted, scatter
+
+
+class _Lines:
+    """Weighted fits a + b x + c y about some points, from pairs of a point and a place near it.
+
+    Parameters
+    ----------
+    here : (k,) int
+        The point of each pair.
+    seen : (2, k) float
+        Where its place is, seen from above, in units of the reach.
+    weight : (k,) float
+        What it counts.
+    count : int
+        Number of points n.
+    """
+
+    def __init__(self, here: Ints, seen: Floats, weight: Floats, count: int) -> None:
+        self.here, self.weight, self.count = here, weight, count
+        self.terms = (np.ones(len(here)), *seen)
+        sums = [[self._sum(one * other) for other in self.terms] for one in self.terms]
+        self.system = np.stack([np.stack(row, axis=1) for row in sums], axis=1)
+        self.total = np.maximum(self.system[:, 0, 0], 1e-300)
+        flattest = np.linalg.eigvalsh(self.system / self.total[:, None, None])[:, 0]
+        number = np.bincount(here, minlength=count)
+        self.known = (number >= FEWEST) & (flattest > FLATTEST)
+
+    def fit(self, values: Floats) -> tuple[Floats, Floats]:
+        """Return a and the scatter about the line, (n,) each, of values (k,)."""
+        right = np.stack([self._sum(term * values) for term in self.terms], axis=1)
+        line = np.full((self.count, 3), np.nan)
+        known = self.known
+        line[known] = np.linalg.solve(self.system[known], right[known][:, :, None])[:, :, 0]
+        left = values - np.einsum("ik,ki->k", np.stack(self.terms), line[self.here])
+        return line[:, 0], np.sqrt(self._sum(left * left) / self.total)
+
+    def _sum(self, values: Floats) -> Floats:
+        """Return the weighted sums over the pairs of each point, (n,)."""
+        return np.bincount(self.here, self.weight * values, self.count).astype(np.float64)
