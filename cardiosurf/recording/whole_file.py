@@ -42,21 +42,6 @@ def whole_file(path: Path) -> Iterator[Path]:
         raise
 
 
-def made_folder(folder: Path) -> Path:
-    """Return a folder, which is made if it is not there.
-
-    Raises
-    ------
-    InputError
-        It cannot be made.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise unwritable(folder, error) from error
-    return folder
-
-
 _NO_ROOM = ("a disk with room", "free some space, or give another folder with -o")
 _FORBIDDEN = (
     "a folder that may be written to",
@@ -92,3 +77,18 @@ def unwritable(path: Path, error: OSError) -> InputError:
         allowed=allowed,
         hint=hint,
     )
+
+
+def made_folder(folder: Path) -> Path:
+    """Return a folder, which is made if it is not there.
+
+    Raises
+    ------
+    InputError
+        It cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise unwritable(folder, error) from error
+    return folder
