@@ -13,6 +13,9 @@ from cardiosurf.errors import InputError
 if TYPE_CHECKING:
     from cardiosurf.study.discrete_game import Game
 
+SCENARIOS = ("free", "sg-i", "sc-ii", "figure-f")
+"""Of ``discrete.stops.STOPS``, which takes longer to import than --help to print."""
+
 
 @click.command()
 @click.argument("config")
@@ -56,16 +59,22 @@ def discrete(
     r"""Play the paper's discrete model on the surface of a config.
 
     Each triangle is a unit that excites at most N_max units' worth of its neighbours. Nothing is
-    marched and nothing is written; docs/theory.md says where the answers agree with a run's.
+    marched and nothing is written; docs/theory.md says where the answers agree with a run's. In
+    place of a CONFIG one of the appendix's scenarios in layers may stand: free, sg-i, sc-ii,
+    figure-f.
 
     \b
     Examples:
       cardiosurf discrete configs/t_domain.yaml
       cardiosurf discrete configs/plane_block.yaml --n-max 2.7 --json
+      cardiosurf discrete sg-i
     """
     for option, value in (("--n-max", n_max), ("--refractory", refractory)):
         if not 1e-6 <= value <= 1e6:
             raise InputError(option, f"{value:g} is not a positive number", "0.000001 to 1000000")
+    if config in SCENARIOS:
+        _play_stop(config, overrides, (n_max, refractory, failed), as_json=as_json)
+        return
     from cardiosurf.config import load
 
     loaded = load(config, overrides)
@@ -76,6 +85,31 @@ def discrete(
     with loaded.naming_lines():
         game = play_config(loaded.config, rule, loads=anisotropy == "load")
     click.echo(json.dumps(game.to_json(), indent=2) if as_json else "\n".join(_lines(game)))
+
+
+def _play_stop(
+    name: str,
+    overrides: tuple[str, ...],
+    rule: tuple[float, float, Literal["refractory", "rest"]],
+    *,
+    as_json: bool,
+) -> None:
+    """Play one of the appendix's scenarios and print what came of it."""
+    if overrides:
+        raise InputError(f"--set {overrides[0]}", f"{name} is no config", "--set with a CONFIG")
+    from cardiosurf.discrete.play import Rule
+    from cardiosurf.discrete.stops import play_stop
+
+    n_max, refractory, failed = rule
+    found = play_stop(name, Rule(n_max=n_max, refractory=refractory, failed=failed))
+    if as_json:
+        click.echo(json.dumps(found.to_json(), indent=2))
+        return
+    outcome = "conducts" if found.conducts else "stops"
+    click.echo(f"{name}: {found.about}, N_max = {n_max:g}: {outcome}")
+    for unit in found.units:
+        vain = "charged in vain" if unit.in_vain else "never excited"
+        click.echo(f"  {unit.name}  {vain if unit.first is None else f'{unit.first:.4g}'}")
 
 
 def _lines(game: Game) -> list[str]:

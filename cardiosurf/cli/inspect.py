@@ -24,6 +24,7 @@ SCHEMAS = {
     "check": "cardiosurf.study.check_schema:check_schema",
     "prediction": "cardiosurf.analysis.prediction:prediction_schema",
     "discrete": "cardiosurf.study.discrete_game:game_schema",
+    "stop": "cardiosurf.discrete.stops:stop_schema",
     "reentry": "cardiosurf.analysis.rotation_json:reentry_schema",
     "acceleration": "cardiosurf.analysis.acceleration_summary:acceleration_schema",
 }

@@ -1,12 +1,14 @@
 """The paper's figure relaccel2 as networks: free propagation, SG-i and SC-ii."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
 
 import numpy as np
 
 from cardiosurf.arrays import Ints
 from cardiosurf.discrete.network import Network, layered, linked
 from cardiosurf.discrete.play import Play, Rule, play
+from cardiosurf.json_schema import result_schema
 
 
 @dataclass(frozen=True)
@@ -112,3 +114,78 @@ def in_rows(sizes: tuple[int, ...], speed: float = 1.0) -> Layers:
 def _named(sizes: tuple[int, ...]) -> tuple[tuple[str, ...], tuple[int, ...]]:
     pairs = [(k, j) for k, size in enumerate(sizes) for j in range(size)]
     return tuple(f"{chr(65 + k)}{j + 1}" for k, j in pairs), tuple(k for k, _ in pairs)
+
+
+@dataclass(frozen=True)
+class Fate:
+    """What became of a unit: when it was excited first (None: never), whether charged in vain."""
+
+    name: str
+    first: float | None
+    in_vain: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class StopFinding:
+    """What came of layers, as ``cardiosurf discrete sg-i --json`` prints it.
+
+    Attributes
+    ----------
+    name : str
+        Which of ``STOPS``.
+    about : str
+        What it shows.
+    rule : Rule
+        What a unit can do.
+    conducts : bool
+        Whether the last layer was excited.
+    units : tuple of Fate
+        What became of each unit.
+    """
+
+    name: str
+    about: str
+    rule: Rule
+    conducts: bool
+    units: tuple[Fate, ...]
+    schema: Literal["cardiosurf/stop/1"] = "cardiosurf/stop/1"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the finding as plain JSON data, ``schema`` first."""
+        data = asdict(self)
+        return {"schema": data.pop("schema"), **data}
+
+
+STOPS: dict[str, tuple[str, Layers]] = {
+    "free": ("figure B: 2, 3 and 4 units", expansion((2, 3, 4))),
+    "sg-i": ("figure D, SG-i: 2 units for 7", expansion((2, 7))),
+    "sc-ii": ("figure F and a unit more in B and C, fibre 4 times as fast", fibre(4.0, (3, 4))),
+    "figure-f": ("figure F as printed, fibre 4 times as fast", fibre(4.0)),
+}
+"""The appendix's scenarios by their names, each with what it shows."""
+
+
+def play_stop(name: str, rule: Rule) -> StopFinding:
+    """Return what comes of one of the appendix's scenarios.
+
+    Parameters
+    ----------
+    name : str
+        Which of ``STOPS``.
+    rule : Rule
+        What a unit can do.
+    """
+    about, layers = STOPS[name]
+    played = layers.played(rule)
+    last = np.array(layers.layers) == max(layers.layers)
+    units = tuple(
+        Fate(unit, float(first) if np.isfinite(first) else None, bool(failures))
+        for unit, first, failures in zip(layers.names, played.first, played.failures, strict=True)
+    )
+    conducts = bool(np.isfinite(played.first[last]).all())
+    return StopFinding(name=name, about=about, rule=rule, conducts=conducts, units=units)
+
+
+def stop_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a scenario's finding; every key is always there, and no other."""
+    return result_schema(StopFinding, "cardiosurf/stop/1")

@@ -4,7 +4,9 @@ import json
 
 import pytest
 
+from cardiosurf.cli.discrete import SCENARIOS
 from cardiosurf.cli.main import main
+from cardiosurf.discrete.stops import STOPS
 
 
 def test_what_became_of_each_target(strip, capsys):
@@ -23,6 +25,31 @@ def test_as_json(strip, capsys):
     assert {target["verdict"] for target in found["targets"]} == {"block"}
 
 
+def test_the_names_of_scenarios_are_those_there_are():
+    assert set(SCENARIOS) == set(STOPS)
+
+
+@pytest.mark.parametrize(
+    ("words", "outcome"),
+    [
+        (("free",), "conducts"),
+        # 7 targets of 2 sources, 3.5 each
+        (("sg-i",), "stops"),
+        (("sg-i", "--n-max", "3.6"), "conducts"),
+        # T1 = 2/4 + 3 = 3.5 before T2 = 3 + 4/3, and as printed not before T2 = 2 + 3/2
+        (("sc-ii",), "stops"),
+        (("sc-ii", "--failed", "rest"), "conducts"),
+        (("figure-f",), "conducts"),
+    ],
+)
+def test_the_appendixs_scenarios(words, outcome, capsys):
+    assert main(["discrete", *words]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].endswith(outcome)
+    in_vain = [line for line in lines if line.endswith("charged in vain")]
+    assert bool(in_vain) == (outcome == "stops")
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -34,3 +61,8 @@ def test_as_json(strip, capsys):
 def test_what_is_refused(strip, capsys, words, said):
     assert main(["discrete", str(strip), *words]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_a_scenario_takes_no_settings(capsys):
+    assert main(["discrete", "sg-i", "--set", "a=1"]) == 2
+    assert "sg-i is no config" in capsys.readouterr().err

@@ -51,6 +51,7 @@ COMMANDS = {
     "check": ("check", "{folder}/scenario.yaml", "-o", "{folder}/checked", "--json"),
     "prediction": ("predict", "{folder}/strip.yaml", "-o", "{folder}/predicted", "--json"),
     "discrete": ("discrete", "{folder}/strip.yaml", "--json"),
+    "stop": ("discrete", "sc-ii", "--json"),
     "reentry": ("analyze", "{rotor}", "--reentry", "--json"),
     "acceleration": ("analyze", "{strip}", "--acceleration", "--json"),
 }
