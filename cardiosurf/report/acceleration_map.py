@@ -9,7 +9,9 @@ from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
+from cardiosurf.analysis.acceleration_map import FEWEST_EDGES, recorded_acceleration
 from cardiosurf.analysis.measured_acceleration import MeasuredAcceleration
+from cardiosurf.analysis.prediction import WIDTH
 from cardiosurf.arrays import Floats
 from cardiosurf.geometry.export import write_fields
 from cardiosurf.recording.recording import Recording
@@ -69,7 +71,7 @@ def acceleration_map(recording: Recording, found: MeasuredAcceleration) -> Figur
 
 
 def write_acceleration(recording: Recording, found: MeasuredAcceleration, path: Path) -> None:
-    """Write all fields of the map as VTU.
+    """Write all fields of the map as VTU, and the terms of the paper's equation beside them.
 
     Parameters
     ----------
@@ -96,8 +98,21 @@ def write_acceleration(recording: Recording, found: MeasuredAcceleration, path: 
         "relative acceleration from LAT [1 per tu^2]": found.by_lat.relative,
         "relative acceleration from LAT error [1 per tu^2]": found.by_lat.relative_error,
     }
+    cells = {"patch": recording.tissue.patch_of.astype(np.float64), **_terms(recording, found)}
     with whole_file(path) as partial:
-        write_fields(recording.surface, partial, fields, {"patch": recording.tissue.patch_of})
+        write_fields(recording.surface, partial, fields, cells)
+
+
+def _terms(recording: Recording, found: MeasuredAcceleration) -> dict[str, Floats]:
+    """Return the paper's terms in the directions of the run's first wave, (m,) each."""
+    # edges differ, and smoothing asks for two of the mean of its own
+    width = max(WIDTH, 1.1 * FEWEST_EDGES * found.edge)
+    terms = recorded_acceleration(recording, width)
+    return {
+        f"of_velocity over {width:.3g} su [1 per su^2]": terms.of_velocity,
+        f"of_change over {width:.3g} su [1 per su]": terms.of_change,
+        f"of_spread over {width:.3g} su [1 per su]": terms.of_spread,
+    }
 
 
 def _signed_norm(found: MeasuredAcceleration) -> SymLogNorm:

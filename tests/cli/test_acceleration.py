@@ -23,6 +23,9 @@ def test_it_writes_a_map_and_prints_what_was_measured(cardiosurf, whole, tmp_pat
     np.testing.assert_array_equal(mesh.point_data["LAT [tu]"], recording.first_activation)
     value = mesh.point_data["relative acceleration [1 per tu^2]"]
     error = mesh.point_data["relative acceleration error [1 per tu^2]"]
+    # the paper's terms beside it: on an even strip nothing changes along a straight front
+    (change,) = (mesh.cell_data[name][0] for name in mesh.cell_data if "of_change" in name)
+    assert np.nanmax(np.abs(change)) < 1e-9
     # NaN where nothing was measured, with its error
     np.testing.assert_array_equal(np.isnan(value), np.isnan(error))
 
