@@ -13,6 +13,29 @@ to 1, and 14 su when a current goes on for 100 tu (docs/verdict.md).
 """
 
 
+def is_far_out(points: Floats, reached: Mask, source: Mask) -> bool:
+    """Tell whether a wave came ``CAPTURE_DISTANCE`` away from its source as the crow flies.
+
+    No way on a surface is shorter than that, so the wave was captured, and no way needs to be
+    looked for; no says nothing. Measured from the box about the source, which is nearer still.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        Vertices, in su.
+    reached : (n,) bool
+        Vertices that the wave activated.
+    source : (n,) bool
+        The stimulated ones.
+    """
+    if not (reached.any() and source.any()):
+        return False
+    box = points[source]
+    beyond = np.maximum(points[reached] - box.max(axis=0), box.min(axis=0) - points[reached])
+    squared = np.square(np.maximum(beyond, 0.0)).sum(axis=1).max()
+    return bool(squared >= CAPTURE_DISTANCE**2)
+
+
 def has_captured(activated: Mask, distance: Floats) -> bool:
     """Tell whether the wave that a stimulus set off left the stimulated tissue.
 

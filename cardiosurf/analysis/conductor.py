@@ -36,6 +36,11 @@ class Conductor:
         excitable = tissue.excitable
         return cls(surface.points, surface.triangles[excitable], tissue.tensor[excitable])
 
+    @classmethod
+    def isotropic(cls, points: Floats, triangles: Ints) -> "Conductor":
+        """Return triangles with d = 1 everywhere."""
+        return cls(points, triangles, np.broadcast_to(np.eye(3), (len(triangles), 3, 3)))
+
     def planes(self) -> Floats:
         """Return an orthonormal pair of vectors in each triangle, (m, 2, 3)."""
         sides = edge_vectors(self.points, self.triangles)
@@ -47,8 +52,8 @@ class Conductor:
     def tangential(self) -> Floats:
         """Return the part of d that lies in the triangles, (m, 3, 3), in su^2/tu."""
         planes = self.planes()
-        within = np.einsum("mai,mij,mbj->mab", planes, self.tensor, planes)
-        return np.asarray(np.einsum("mab,mai,mbj->mij", within, planes, planes))
+        across = planes.transpose(0, 2, 1)
+        return np.asarray(across @ (planes @ self.tensor @ across) @ planes)
 
     def metric(self) -> Floats:
         """Return the inverse of d in each triangle's plane, (m, 3, 3), in tu/su^2.
@@ -61,7 +66,8 @@ class Conductor:
             The diffusivity of a triangle is not positive.
         """
         planes = self.planes()
-        within = np.einsum("mai,mij,mbj->mab", planes, self.tensor, planes)
+        across = planes.transpose(0, 2, 1)
+        within = planes @ self.tensor @ across
         determinant = within[:, 0, 0] * within[:, 1, 1] - within[:, 0, 1] * within[:, 1, 0]
         wrong = ~((determinant > 0.0) & (within[:, 0, 0] > 0.0))
         if wrong.any():
@@ -74,7 +80,7 @@ class Conductor:
         other[:, 0, 0], other[:, 1, 1] = within[:, 1, 1], within[:, 0, 0]
         other[:, 0, 1], other[:, 1, 0] = -within[:, 0, 1], -within[:, 1, 0]
         other /= determinant[:, None, None]
-        return np.asarray(np.einsum("mab,mai,mbj->mij", other, planes, planes))
+        return np.asarray(across @ other @ planes)
 
     def hat_gradients(self) -> tuple[Floats, Floats]:
         """Return the hat functions' gradients, (m, 3, 3), in 1/su, and areas, (m,), in su^2."""

@@ -11,6 +11,9 @@ curved front.
 The second order comes from gradients: each vertex keeps the direction of the ray that reached it,
 so an edge between two vertices has their slopes as well as their times, and a cubic instead of a
 line. Where the slopes contradict the times, two fronts or two tissues meet; the line stays.
+
+The loops are machine code, and numba is imported when the first of them runs: who only may ask for
+an arrival (the judge of a recording) does not wait for it.
 """
 
 from dataclasses import dataclass
@@ -18,12 +21,13 @@ from typing import Literal
 
 import numpy as np
 
-from cardiosurf.analysis.compiled.arrivals import settle, sweep
 from cardiosurf.analysis.conductor import Conductor
 from cardiosurf.analysis.sources import Sources
 from cardiosurf.arrays import Floats, Ints
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.topology import edge_vectors
+
+_Network = tuple[Ints, Ints, Ints, Floats, Floats, Floats]
 
 MOST_SWEEPS = 50
 """In order of arrival two or three sweeps settle all but knots of obtuse triangles."""
@@ -76,14 +80,12 @@ def arrival(
     InputError
         The speed is not positive, there is no source, or a source is not a number.
     """
+    from cardiosurf.analysis.compiled.arrivals import sweep
+
     count = len(conductor.points)
     _check(sources, speed, count)
     net = _network(conductor, speed)
-    times = np.full(count, np.inf)
-    np.minimum.at(times, sources.vertices, sources.times)
-    given = times.copy()
-    tolerance = 1e-12 * float(net[3].max(initial=1.0))
-    settle(net, times, tolerance)
+    given, times = _settled(net, sources, count)
     moving = np.flatnonzero(np.isfinite(times) & ~(times >= given))
     moving = moving[np.argsort(times[moving], kind="stable")]
     gradients = np.full((count, 3), np.nan)
@@ -97,14 +99,56 @@ def arrival(
     return Arrival(times, gradients, speed, sweeps, change)
 
 
-def _network(conductor: Conductor, speed: float) -> tuple[Ints, Ints, Ints, Floats, Floats, Floats]:
+def distance_from(points: Floats, triangles: Ints, sources: Sources) -> Floats:
+    """Return how far every vertex is from the sources: |grad T| = 1, at first order.
+
+    It is the arrival of a wave that nothing disturbs times its speed, for those who need it to a
+    part of an edge and at once: what settles in order of arrival, without sweeps and gradients
+    (12,000 vertices: 10 ms; with the second order 80).
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        Vertices, in su.
+    triangles : (m, 3) int
+        Vertex numbers.
+    sources : Sources
+        Where it starts; their times are distances already covered, in su. None is allowed.
+
+    Returns
+    -------
+    (n,) float
+        Distances in su; infinite where no source can be reached.
+    """
+    sides = edge_vectors(points, triangles)
+    lengths = np.sqrt(np.einsum("mki,mki->mk", sides, sides))
+    net = (*_around(Conductor.isotropic(points, triangles)), lengths, sides, sides)
+    return _settled(net, sources, len(points))[1]
+
+
+def _settled(net: _Network, sources: Sources, count: int) -> tuple[Floats, Floats]:
+    """Return the times given at the sources, and those of the first order; infinite where none."""
+    from cardiosurf.analysis.compiled.arrivals import settle
+
+    given = np.full(count, np.inf)
+    np.minimum.at(given, sources.vertices, sources.times)
+    times = given.copy()
+    settle(net, times, 1e-12 * float(net[3].max(initial=1.0)))
+    return given, times
+
+
+def _network(conductor: Conductor, speed: float) -> _Network:
     """Return what the compiled loops run over; times along edges, and M e for each edge e."""
     sides = edge_vectors(conductor.points, conductor.triangles)
-    pulls = np.einsum("mij,mkj->mki", conductor.metric() / speed**2, sides)
+    pulls = sides @ (conductor.metric() / speed**2)
     lengths = np.sqrt(np.einsum("mki,mki->mk", sides, pulls))
+    return (*_around(conductor), lengths, sides, pulls)
+
+
+def _around(conductor: Conductor) -> tuple[Ints, Ints, Ints]:
+    """Return the triangles, and where the corners at each vertex begin, and these corners."""
     corners, starts = conductor.corners_around()
-    triangles = np.ascontiguousarray(conductor.triangles, dtype=np.int64)
-    return triangles, starts, corners, lengths, sides, np.ascontiguousarray(pulls)
+    return np.ascontiguousarray(conductor.triangles, dtype=np.int64), starts, corners
 
 
 def _check(sources: Sources, speed: float, count: int) -> None:

@@ -16,9 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from cardiosurf.analysis.distance import distance_from
+from cardiosurf.analysis.eikonal import distance_from
 from cardiosurf.analysis.quadratic import Fit
 from cardiosurf.analysis.route import FRONT_WIDTH, Map, entrance_edges
+from cardiosurf.analysis.sources import Sources
 from cardiosurf.analysis.stimulation import stimulation
 from cardiosurf.analysis.waves import trace_waves
 from cardiosurf.arrays import Floats, Ints, Mask
@@ -176,9 +177,7 @@ def entrance_profiles(
         return ()
     points, outside = activation.points, activation.excitable & ~inside
     ground = activation.triangles[outside]
-    sources = np.zeros(len(points), dtype=np.bool_)
-    sources[edges] = True
-    distance = distance_from(points, ground, sources)
+    distance = distance_from(points, ground, Sources.at(np.unique(edges)))
     sides = points[edges[:, 1]] - points[edges[:, 0]]
     edge = float(np.median(np.linalg.norm(sides, axis=1)))
     layer = np.flatnonzero(np.abs(distance - before) < 0.5 * edge)

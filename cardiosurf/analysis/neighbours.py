@@ -69,3 +69,18 @@ def neighbours(triangles: Ints, count: int) -> Lists:
     first = np.ones(len(start), dtype=np.bool_)
     first[1:] = (start[1:] != start[:-1]) | (end[1:] != end[:-1])
     return Lists.of(start[first], end[first], count)
+
+
+def pieces(triangles: Ints, count: int) -> Ints:
+    """Return for each of ``count`` vertices the lowest number in its connected piece, (n,)."""
+    lowest = np.arange(count)
+    while True:
+        corners = lowest[triangles]
+        least = corners.min(axis=1)
+        apart = (corners != least[:, None]).any(axis=1)
+        if not apart.any():
+            return lowest
+        # the names of pieces that meet give way to the lower one, and so do all who bear them
+        np.minimum.at(lowest, corners[apart].ravel(), np.repeat(least[apart], 3))
+        while not np.array_equal(further := lowest[lowest], lowest):
+            lowest = further

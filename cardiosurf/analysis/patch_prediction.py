@@ -97,7 +97,12 @@ def patch_prediction(
     """
     inside = tissue.patch_of == tissue.names.index(name)
     wave = Map(
-        surface.points, surface.triangles, tissue.tensor, tissue.excitable, undisturbed, undisturbed
+        surface.points,
+        surface.triangles,
+        tissue.tensor,
+        tissue.excitable,
+        undisturbed,
+        lambda: undisturbed,
     )
     met = incidence(wave, inside)
     if not len(met.angle):

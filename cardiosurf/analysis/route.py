@@ -7,14 +7,17 @@ trajectories that came in there. Where at least half of the entrance's length wa
 is ``direct``, otherwise ``indirect``.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 import scipy
 
-from cardiosurf.analysis.distance import distance_from
+from cardiosurf.analysis.eikonal import distance_from
 from cardiosurf.analysis.origins import carry_labels, triangle_gradients
+from cardiosurf.analysis.sources import Sources
 from cardiosurf.arrays import Floats, Ints, Mask
 
 Route = Literal["direct", "indirect"]
@@ -47,9 +50,9 @@ class Map:
     excitable : (m,) bool
     lat : (n,) float
         First activation, NaN where never, in tu.
-    unperturbed : (n,) float
-        When a wave that nothing disturbs would arrive from the stimuli that captured, times its
-        speed, in su.
+    wave : callable
+        Returns ``unperturbed``. It is called where a wave came into a target with an entrance, and
+        not before: an eikonal equation is to be solved for it.
     """
 
     points: Floats
@@ -57,7 +60,15 @@ class Map:
     tensor: Floats
     excitable: Mask
     lat: Floats
-    unperturbed: Floats
+    wave: Callable[[], Floats]
+
+    @cached_property
+    def unperturbed(self) -> Floats:
+        """When a wave that nothing disturbs would arrive from the stimuli that captured, (n,).
+
+        Times its speed, in su; or in tu: only its direction counts.
+        """
+        return self.wave()
 
 
 def edges_of(triangles: Ints, inside: Mask, outside: Mask) -> tuple[Ints, Ints]:
@@ -135,6 +146,8 @@ def entrance_edges(activation: Map, inside: Mask, cosine: float = ENTRANCE_COSIN
     """
     points, triangles = activation.points, activation.triangles
     edges, owner = edges_of(triangles, inside, activation.excitable & ~inside)
+    if not len(edges):
+        return edges
     along = points[edges[:, 1]] - points[edges[:, 0]]
     squared = np.einsum("ij,ij->i", along, along)
     inward = points[triangles[owner]].mean(axis=1) - points[edges[:, 0]]
@@ -171,7 +184,7 @@ def _crossed_fraction(activation: Map, inside: Mask, active: Mask, weights: Floa
     """Return the share of the entrance's length behind which the wave came in by it."""
     points = activation.points
     entrance = np.flatnonzero(weights)
-    depth = distance_from(points, activation.triangles[inside], weights > 0)
+    depth = distance_from(points, activation.triangles[inside], Sources.at(entrance))
     edge = float(np.sqrt(np.median(_squared_edges(points, activation.triangles[inside]))))
     own = np.flatnonzero(np.isfinite(depth))
     nearest = np.asarray(scipy.spatial.cKDTree(points[entrance]).query(points[own])[1])

@@ -4,11 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardiosurf.analysis.capture import has_captured
-from cardiosurf.analysis.distance import distance_from
+from cardiosurf.analysis.capture import has_captured, is_far_out
+from cardiosurf.analysis.eikonal import distance_from
+from cardiosurf.analysis.neighbours import pieces
 from cardiosurf.analysis.origins import triangle_gradients
+from cardiosurf.analysis.sources import Sources
 from cardiosurf.analysis.waves import Waves, strongly
-from cardiosurf.arrays import Floats, Mask
+from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.recording.recording import Recording
 from cardiosurf.tissue.stimuli import Pulse
 
@@ -21,13 +23,21 @@ class Stimulation:
     ----------
     captured : tuple of bool
         For each pulse, in the recording's order.
-    unperturbed : (n,) float
-        Arrival of the waves of all pulses that captured (of all pulses if none did) on the bare
-        surface, times their speed, in su.
+    points, triangles : (n, 3) float, (m, 3) int
+        The bare surface.
+    sources : Sources
+        Where the waves of all pulses that captured start (of all pulses if none did), and how far a
+        wave would have come when they do, in su.
     """
 
     captured: tuple[bool, ...]
-    unperturbed: Floats
+    points: Floats
+    triangles: Ints
+    sources: Sources
+
+    def unperturbed(self) -> Floats:
+        """Return the arrival of these waves on the bare surface, times their speed, (n,), in su."""
+        return distance_from(self.points, self.triangles, self.sources)
 
 
 def conduction_speed(recording: Recording) -> float:
@@ -57,7 +67,7 @@ def _per_site(pulses: tuple[Pulse, ...]) -> list[list[int]]:
 
 
 def stimulation(recording: Recording, waves: Waves) -> Stimulation:
-    """Return which stimuli captured and where their waves would go.
+    """Return which stimuli captured and where their waves would start.
 
     Parameters
     ----------
@@ -67,30 +77,45 @@ def stimulation(recording: Recording, waves: Waves) -> Stimulation:
         Its activations and the pulses they go back to.
     """
     points, triangles = recording.surface.points, recording.surface.triangles
-    excitable = triangles[recording.tissue.excitable]
-    reacting = np.zeros(len(points), dtype=np.bool_)
-    reacting[excitable.ravel()] = True
-    captured = np.zeros(len(recording.pulses), dtype=np.bool_)
-    sites = _per_site(recording.pulses)
-    through_tissue = []
-    for numbers in sites:
-        source = strongly(recording.pulses[numbers[0]]) & reacting
-        through_tissue.append(distance_from(points, excitable, source))
-        for number in numbers:
-            reached = _reached(waves, number, len(points))
-            captured[number] = has_captured(reached, through_tissue[-1])
+    captured = _captured(recording, waves)
     speed = conduction_speed(recording)
-    arrivals = []
-    for numbers, distance in zip(sites, through_tissue, strict=True):
+    starts = np.full(len(points), np.inf)
+    for numbers in _per_site(recording.pulses):
         took = [number for number in numbers if captured[number]]
         if took or not captured.any():
             first = min(recording.pulses[number].time for number in took or numbers)
             source = strongly(recording.pulses[numbers[0]])
-            # where all tissue is excitable the bare surface is what was looked at already
-            scarred = len(excitable) < len(triangles)
-            bare = distance_from(points, triangles, source) if scarred else distance
-            arrivals.append(first * speed + bare)
-    return Stimulation(tuple(bool(took) for took in captured), np.min(arrivals, axis=0))
+            starts[source] = np.minimum(starts[source], first * speed)
+    sources = np.flatnonzero(np.isfinite(starts))
+    return Stimulation(
+        tuple(bool(took) for took in captured),
+        points,
+        triangles,
+        Sources.at(sources, starts[sources]),
+    )
+
+
+def _captured(recording: Recording, waves: Waves) -> Mask:
+    """Return which pulses sent off a wave, (p,)."""
+    points = recording.surface.points
+    excitable = recording.surface.triangles[recording.tissue.excitable]
+    piece = pieces(excitable, len(points))
+    captured = np.zeros(len(recording.pulses), dtype=np.bool_)
+    for numbers in _per_site(recording.pulses):
+        source = np.isin(np.arange(len(points)), excitable)
+        source &= strongly(recording.pulses[numbers[0]])
+        connected = np.isin(piece, piece[source])
+        distance = None
+        for number in numbers:
+            reached = _reached(waves, number, len(points)) & connected
+            captured[number] = is_far_out(points, reached, source)
+            if reached.any() and not captured[number]:
+                # the way through the tissue may be longer, or all of the tissue be near
+                if distance is None:
+                    sources = Sources.at(np.flatnonzero(source))
+                    distance = distance_from(points, excitable, sources)
+                captured[number] = has_captured(reached, distance)
+    return captured
 
 
 def _reached(waves: Waves, pulse: int, count: int) -> Mask:

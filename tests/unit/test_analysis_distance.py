@@ -2,7 +2,12 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull, Delaunay
 
-from cardiosurf.analysis.distance import distance_from
+from cardiosurf.analysis.eikonal import distance_from as distance_of
+from cardiosurf.analysis.sources import Sources
+
+
+def distance_from(points, triangles, sources):
+    return distance_of(points, triangles, Sources.at(np.flatnonzero(sources)))
 
 
 def jittered_square(half, step, seed=0):

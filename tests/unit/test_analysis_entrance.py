@@ -30,7 +30,7 @@ def profiles(surface, distance, lat=None):
         np.broadcast_to(np.eye(3), (count, 3, 3)),
         np.ones(count, dtype=bool),
         distance / SPEED if lat is None else lat,
-        distance,
+        lambda: distance,
     )
     return entrance_profiles(given, surface.regions["block"])
 

@@ -32,7 +32,7 @@ def as_map(square, lat, tensor=None):
     count = len(triangles)
     everywhere = np.ones(count, dtype=bool)
     tensors = np.broadcast_to(tensor, (count, 3, 3))
-    return Map(points, triangles, tensors, everywhere, lat, 50 - points[:, 0])
+    return Map(points, triangles, tensors, everywhere, lat, lambda: 50 - points[:, 0])
 
 
 def test_gradient_of_a_linear_field_is_exact(square):
