@@ -45,17 +45,24 @@ def straight(first: Any, second: Any, edge: Any, to_first: Any, to_second: Any) 
 
 
 @apart
-def curved(ends: Any, slopes: Any, edge: Any, to_first: Any, to_second: Any) -> Any:
+def curved(ends: Any, slopes: Any, lengths: Any, before: Any) -> Any:
     """Return what ``straight`` returns, the time on the edge a cubic with given slopes at its ends.
 
-    Where the slopes are unknown (NaN) or contradict the times, the time on the edge is linear.
+    ``lengths`` are those of the edge and from the corner to its ends. Where the slopes are unknown
+    (NaN) or contradict the times, the time on the edge is linear; and where the cubic is not so far
+    from the line that the arrival could be ``before`` what another triangle has found.
     """
     first, second = ends
+    edge, to_first, to_second = lengths
     best, place = straight(first, second, edge, to_first, to_second)
     rise = second - first
     alpha, beta = slopes[0] - rise, slopes[1] - rise
+    steepest = max(abs(alpha), abs(beta))
     # of a parabola the two are opposite
-    if not abs(alpha + beta) <= AGREEING * max(abs(alpha), abs(beta)) + FOLDED * edge:
+    if not abs(alpha + beta) <= AGREEING * steepest + FOLDED * edge:
+        return best, place
+    # s (1-s) times a mean of the two
+    if best - 0.25 * steepest >= before:
         return best, place
     squared = edge * edge
     foot = (squared + to_first * to_first - to_second * to_second) / (2.0 * squared)
@@ -194,7 +201,7 @@ def best_ray(net: Any, times: Any, gradients: Any, vertex: Any, second: Any) -> 
         if second:
             side = sides[t, own]
             slopes = (slope_along(gradients, a, side), slope_along(gradients, b, side))
-            new, s = curved((times[a], times[b]), slopes, edge, to_a, to_b)
+            new, s = curved((times[a], times[b]), slopes, (edge, to_a, to_b), best)
         else:
             new, s = straight(times[a], times[b], edge, to_a, to_b)
         if new < best:
