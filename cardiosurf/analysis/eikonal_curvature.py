@@ -8,32 +8,33 @@ for a front alone and more for a pulse (``curvature_factor``). Written out,
 
 it is the eikonal-diffusion equation (Colli Franzone, Guerri and Rovida, J Math Biol 28:121, 1990)
 with one term more, which takes back the diffusion along rays: without it a front that speeds up or
-slows down is pulled along, at second order in d K/c0. Linear elements; w = log sqrt(q) is averaged
-over the triangles of each vertex and held while a Newton step is made for T, and the next w is
-found by Anderson's mixing. Edges that resolve a front (c0 h < 2 sqrt(d)) need no upwinding.
+slows down is pulled along, at second order in d K/c0. Linear elements; w = log sqrt(q) is the mean
+over the triangles of each vertex, carried from their middle to the vertex by its own gradient, and
+at the rim of the sources carried on from the vertices before it. It is held while a Newton step is
+made for T, and the next w is found by Anderson's mixing. The system of a step is solved to a third,
+by iterations in the order of arrival (``compiled.incomplete``): the rounds correct what is left as
+they go. Edges that resolve a front (c0 h < 2 sqrt(d)) need no upwinding. Second order.
 
 Open edges are no-flux, as in the model: a front stands at right angles on them.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import scipy
 
 from cardiosurf.analysis.conductor import Conductor
+from cardiosurf.analysis.curvature_system import System
 from cardiosurf.analysis.eikonal import arrival
 from cardiosurf.analysis.sources import Sources
-from cardiosurf.arrays import Floats, Ints, Mask
+from cardiosurf.arrays import Floats
 from cardiosurf.errors import InputError
 
-FASTEST, SLOWEST = 2.5, 0.3
-"""Limits of a front's speed in w, relative to c0: fronts that meet are fast without bound."""
-ROUNDS = 30
+ROUNDS = 60
 ENOUGH = 1e-4
-"""Change (root of mean square) at which it is done, relative to the time the wave takes in all."""
 MEMORY = 5
 """How many rounds Anderson's mixing looks back."""
+FLAT = 3
+"""Steps without w that come first: from rays to the smooth solution of eikonal and diffusion."""
 
 
 @dataclass(frozen=True)
@@ -58,74 +59,13 @@ class CurvedArrival:
     change: float
 
 
-@dataclass(frozen=True)
-class _Elements:
-    """Linear elements on the triangles that a wave reaches.
-
-    Attributes
-    ----------
-    triangles : (m, 3) int
-    hats : (m, 3, 3) float
-        Gradients of the three hat functions.
-    fluxes : (m, 3, 3) float
-        d times these.
-    areas : (m,) float
-    stiffness : (m, 3, 3) float
-        Integrals of g grad . d grad on each triangle.
-    weights : (n,) float
-        A third of the area of each vertex' triangles.
-    factor : float
-        g.
-    """
-
-    triangles: Any
-    hats: Floats
-    fluxes: Floats
-    areas: Floats
-    stiffness: Floats
-    weights: Floats
-    factor: float
-
-    @classmethod
-    def of(cls, conductor: Conductor, reached: Mask, held: Ints, factor: float) -> "_Elements":
-        """Return the elements of the triangles that are reached, but for those wholly held.
-
-        Between sources times may be anything, and w there would spoil it on the next triangles.
-        """
-        given = np.zeros(len(reached), dtype=np.bool_)
-        given[held] = True
-        corners = conductor.triangles
-        whole = reached[corners].all(axis=1) & ~given[corners].all(axis=1)
-        part = Conductor(conductor.points, conductor.triangles[whole], conductor.tensor[whole])
-        hats, areas = part.hat_gradients()
-        fluxes = np.einsum("mij,maj->mai", part.tangential(), hats)
-        stiffness = factor * np.einsum("m,mai,mbi->mab", areas, hats, fluxes)
-        shares = np.repeat(areas / 3.0, 3)
-        weights = np.bincount(part.triangles.ravel(), shares, len(part.points)).astype(np.float64)
-        return cls(part.triangles, hats, fluxes, areas, stiffness, weights, factor)
-
-    def summed(self, local: Floats) -> Floats:
-        """Return the sums (n,) at the vertices of what each triangle has for its corners (m, 3)."""
-        total = np.bincount(self.triangles.ravel(), local.ravel(), len(self.weights))
-        return total.astype(np.float64)
-
-    def matrix(self, local: Floats) -> Any:
-        """Return the sparse sum of the triangles' matrices (m, 3, 3)."""
-        rows = np.repeat(self.triangles, 3, axis=1).ravel()
-        columns = np.tile(self.triangles, (1, 3)).ravel()
-        shape = (len(self.weights), len(self.weights))
-        return scipy.sparse.coo_array((local.ravel(), (rows, columns)), shape=shape).tocsr()
-
-    def slowness(self, times: Floats) -> tuple[Floats, Floats]:
-        """Return d grad T (m, 3) and sqrt(grad T . d grad T) (m,) of the triangles."""
-        corners = times[self.triangles]
-        gradient = np.einsum("mai,ma->mi", self.hats, corners)
-        flux = np.einsum("mai,ma->mi", self.fluxes, corners)
-        return flux, np.sqrt(np.maximum(np.einsum("mi,mi->m", gradient, flux), 1e-20))
-
-
 def curved_arrival(
-    conductor: Conductor, sources: Sources, speed: float, *, factor: float = 1.0
+    conductor: Conductor,
+    sources: Sources,
+    speed: float,
+    *,
+    factor: float = 1.0,
+    enough: float = ENOUGH,
 ) -> CurvedArrival:
     """Return when a front arrives whose speed is c0 sqrt(d) - g d K in isotropic tissue.
 
@@ -146,6 +86,9 @@ def curved_arrival(
     factor : float
         g, how much a curvature slows a front down, relative to the diffusivity
         (``curvature_factor``).
+    enough : float
+        Change of the times (root of the mean square) at which it is done, relative to the time that
+        the wave takes in all. What is left then is one to three times that.
 
     Raises
     ------
@@ -156,59 +99,28 @@ def curved_arrival(
         raise InputError("factor", f"{factor}", "a positive number", "arrival has no curvature")
     straight = arrival(conductor, sources, speed).times
     reached = np.isfinite(straight)
-    elements = _Elements.of(conductor, reached, sources.vertices, factor)
-    free = elements.weights > 0.0
-    free[sources.vertices] = False
+    system = System.of(conductor, straight, sources.vertices, (speed, factor))
     times = np.where(reached, straight, 0.0)
     # without curvature another source may have come first
     times[sources.vertices] = sources.times
-    span = max(float(np.ptp(times[reached])), 1e-300)
-    # the first steps without w: from rays to the smooth solution of the eikonal-diffusion equation
-    flat, change, rounds = np.zeros(len(times)), np.inf, 0
-    for _ in range(3):
-        times, _ = _newton(elements, times, flat, free, speed)
-    mixer = _Mixer([], [])
-    w = _log_slowness(elements, times, speed)
-    while rounds < ROUNDS and change > ENOUGH * span:
-        rounds += 1
-        times, change = _newton(elements, times, w, free, speed)
-        w = mixer.next(w, _log_slowness(elements, times, speed))
+    change, rounds = 0.0, 0
+    if len(system.order):
+        rounds, change = _settle(system, times, enough * float(np.ptp(times[reached])))
     return CurvedArrival(np.where(reached, times, np.nan), straight, rounds, change)
 
 
-def _newton(
-    elements: _Elements, times: Floats, w: Floats, free: Mask, speed: float
-) -> tuple[Floats, float]:
-    """Return the times after a Newton step with w (n,) held, and how far it went."""
-    flux, slow = elements.slowness(times)
-    drift = elements.factor * np.einsum("mai,ma->mi", elements.fluxes, w[elements.triangles])
-    gradient = np.einsum("mai,ma->mi", elements.hats, times[elements.triangles])
-    rest = speed * slow + np.einsum("mi,mi->m", gradient, drift) - 1.0
-    local = np.einsum("mab,mb->ma", elements.stiffness, times[elements.triangles])
-    residual = elements.summed(local + (elements.areas * rest / 3.0)[:, None])
-    along = speed * flux / slow[:, None] + drift
-    advection = np.einsum("mi,mbi->mb", along, elements.hats)
-    advection *= (elements.areas / 3.0)[:, None]
-    matrix = elements.matrix(elements.stiffness + advection[:, None, :])
-    step = np.zeros(len(times))
-    if not free.any():
-        return times, 0.0
-    # its pattern is symmetric and its diagonal strong: half the work of the default ordering
-    factors = scipy.sparse.linalg.splu(
-        matrix[free][:, free].tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.001,
-        options={"SymmetricMode": True},
-    )
-    step[free] = factors.solve(-residual[free])
-    return times + step, float(np.sqrt(np.mean(step[free] ** 2)))
-
-
-def _log_slowness(elements: _Elements, times: Floats, speed: float) -> Floats:
-    """Return log(c0 sqrt(q)), the log of c0 over the speed, averaged at the vertices, (n,)."""
-    slow = np.clip(speed * elements.slowness(times)[1], 1.0 / FASTEST, 1.0 / SLOWEST)
-    shares = np.repeat((elements.areas / 3.0 * np.log(slow))[:, None], 3, axis=1)
-    return elements.summed(shares) / np.maximum(elements.weights, 1e-300)
+def _settle(system: System, times: Floats, enough: float) -> tuple[int, float]:
+    """Change the times (n,) until a round changes them by little; return rounds and last change."""
+    flat, change, rounds = np.zeros(len(times)), np.inf, 0
+    for _ in range(FLAT):
+        system.newton(times, flat)
+    mixer = _Mixer([], [])
+    w = system.log_slowness(times, flat)
+    while rounds < ROUNDS and change > enough:
+        rounds += 1
+        change = system.newton(times, w)
+        w = mixer.next(w, system.log_slowness(times, w))
+    return rounds, change
 
 
 @dataclass(frozen=True)

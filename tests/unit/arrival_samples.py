@@ -71,3 +71,25 @@ def fibonacci_sphere(count):
     inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), a) < 0
     hull[inward] = hull[inward][:, [0, 2, 1]]
     return RADIUS * unit, hull
+
+
+def rings(step, inner, outer, radius=np.inf):
+    """Triangles between two circles about a point, on the plane or on a sphere; the distance (n,).
+
+    The first circle has the first vertices, and every circle as many; the second circle is turned
+    by half a triangle against the first, and so on. So the circles are mesh lines.
+    """
+    distance = np.linspace(inner, outer, round((outer - inner) / step) + 1)
+    count = round(np.pi * (inner + outer) / step)
+    turn = np.arange(count) + 0.5 * np.arange(len(distance))[:, None]
+    angle = 2.0 * np.pi / count * turn.ravel()
+    r = np.repeat(distance, count)
+    across, height = r, np.zeros_like(r)
+    if np.isfinite(radius):
+        across, height = radius * np.sin(r / radius), radius * np.cos(r / radius)
+    here = (np.arange(len(distance) - 1)[:, None] * count + np.arange(count)).ravel()
+    beside = here // count * count + (here + 1) % count
+    lower = np.c_[here, here + count, beside]
+    upper = np.c_[beside, here + count, beside + count]
+    points = np.c_[across * np.cos(angle), across * np.sin(angle), height]
+    return points, np.concatenate((lower, upper)), r

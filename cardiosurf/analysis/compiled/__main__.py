@@ -9,6 +9,7 @@ import numpy as np
 
 from cardiosurf.analysis.conductor import Conductor
 from cardiosurf.analysis.eikonal import arrival
+from cardiosurf.analysis.eikonal_curvature import curved_arrival
 from cardiosurf.analysis.sources import Sources
 from cardiosurf.analysis.trajectories import Places, trajectories
 
@@ -19,6 +20,7 @@ def main() -> int:
     triangles = np.array([[0, 1, 2], [0, 2, 3]])
     conductor = Conductor(points, triangles, np.broadcast_to(np.eye(3), (2, 3, 3)))
     found = arrival(conductor, Sources.at(np.array([0])), 1.0)
+    curved_arrival(conductor, Sources.at(np.array([0])), 1.0)
     trajectories(conductor, found.times, Places(np.array([0]), np.full((1, 3), 1.0 / 3.0)))
     return 0
 
