@@ -70,15 +70,14 @@ def passes(engine: Engine) -> dict[str, float]:
     rows, work = engine._arrangement.rows, engine._work
     n = len(engine._arrangement.vertex)
     number, single = work.fields.itemsize, work.direction.itemsize
-    entries, start = len(rows.columns) / n, rows.start.nbytes / n
-    columns = rows.columns.itemsize * entries + start
+    columns = (rows.start.nbytes + rows.window.nbytes + rows.place.nbytes) / n
     mass, stiffness, system = (
-        values.itemsize * entries for values in (rows.mass, rows.stiffness, rows.system)
+        values.nbytes / n for values in (rows.mass, rows.stiffness, rows.system)
     )
     return {
-        # u0 u1 u2 u3 v0 v1, lumped, D^-1/2, active in; guess, v, the two of ``vectors`` out
+        # u0 u1 u2 u3 v0 v1, lumped, D^-1/2, active in; guess, v, the two of ``pairs`` out
         "prepare": 12 * number + work.active.itemsize,
-        # both matrices, their columns, the vectors, lumped, D^-1/2 in; the direction out
+        # both matrices, their columns, the pairs, lumped, D^-1/2 in; the direction out
         "residual": mass + stiffness + columns + 4 * number + single,
         # the matrix, its columns, p in, q out; r from the second iteration on
         "first multiply": system + columns + 2 * single,
@@ -105,7 +104,7 @@ def of_a_step(each: dict[str, float], iterations: float) -> float:
 def held(engine: Engine) -> float:
     """Return the bytes that a step works on."""
     rows, work = engine._arrangement.rows, engine._work
-    vectors = (work.fields, work.vectors, work.direction, work.active)
+    vectors = (work.fields, work.pairs, work.direction, work.active)
     return sum(a.nbytes for a in rows) + sum(vector.nbytes for vector in vectors)
 
 

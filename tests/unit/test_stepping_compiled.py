@@ -1,6 +1,11 @@
 """The compiled march against the same march in NumPy and SciPy."""
 
+import os
+import platform
+import subprocess
+import sys
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +17,8 @@ from cardiosurf.kinetics import KINETICS, FitzHughNagumo, RogersMcCulloch
 from cardiosurf.recording.observers import Activation, Probes
 from cardiosurf.recording.quiescence import Quiescence
 from cardiosurf.stepping.compiled.laws import constants_of, rates
-from cardiosurf.stepping.compiled.machine import GROUP
-from cardiosurf.stepping.compiled.rows import BLOCK, LEAST, arrange, weigh
+from cardiosurf.stepping.compiled.machine import GROUP, WINDOW
+from cardiosurf.stepping.compiled.rows import BLOCK, arrange, weigh
 from cardiosurf.stepping.compiled.work import LEAST_CROSSINGS
 from cardiosurf.stepping.controls import NODES_A_THREAD, Controls, Execution
 from cardiosurf.stepping.march import Problem, march
@@ -317,15 +322,18 @@ def test_a_matrix_that_is_not_positive_ends_the_march():
 
 def entries(rows, n, values):
     """The matrix (n, n) of the entries beside the diagonal."""
-    start = rows.start.astype(int)
-    width = np.diff(start) // GROUP
-    assert (width >= LEAST).all()
-    group = np.repeat(np.arange(len(width)), np.diff(start))
-    owner = GROUP * group + (np.arange(start[-1]) - start[group]) % GROUP
+    slots = np.diff(rows.start.astype(int))
+    assert (slots >= 1).all()
+    assert (rows.place < WINDOW).all()
+    owner = np.repeat(GROUP * np.arange(len(slots)), slots)[:, None] + np.arange(GROUP)
+    column = rows.window.astype(int)[:, None] + rows.place
     assert (values[owner >= n] == 0.0).all()
-    found = np.zeros((GROUP * len(width), n))
-    np.add.at(found, (owner, rows.columns.astype(int)), values)
-    return found[:n]
+    size = rows.nodal.shape[1]
+    # a window that begins with the last row is in the vectors as well
+    assert rows.window.max() + WINDOW <= size
+    found = np.zeros((size, size))
+    np.add.at(found, (owner, column), values)
+    return found[:n, :n]
 
 
 def test_rows_hold_the_matrices_in_another_order():
@@ -367,3 +375,30 @@ def test_rows_of_matrices_with_different_patterns():
     assert root**2 == pytest.approx(system.diagonal())
     beside = system - np.diag(system.diagonal())
     assert entries(rows, 3, rows.system) * root * root[:, None] == pytest.approx(beside)
+
+
+# ---------------------------------------------------------------- other processors
+
+MARCH = """
+import numpy as np
+from test_stepping_compiled import RogersMcCulloch, Problem, activations, controls, sheet, wall
+points, op = sheet(40, 30, tensor=(1.0, 3.0))
+found, _ = activations(Problem(op, RogersMcCulloch(), (wall(points),)), controls(150.0))
+np.save("times.npy", found.activations().first(len(points)))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("features", ["", "+avx,+avx2,+fma"], ids=["oldest", "avx2"])
+def test_processors_that_pick_in_other_ways_march_alike(wave, tmp_path, features):
+    if platform.machine() not in ("x86_64", "AMD64"):
+        features = ""
+    points, op = sheet(40, 30, tensor=(1.0, 3.0))
+    here, _ = activations(Problem(op, RogersMcCulloch(), (wall(points),)), controls(150.0))
+    told = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": features}
+    paths = os.pathsep.join((str(Path(__file__).parent), *sys.path))
+    environment = {**os.environ, **told, "PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(tmp_path)}
+    subprocess.run([sys.executable, "-c", MARCH], check=True, cwd=tmp_path, env=environment)
+    there = np.load(tmp_path / "times.npy")
+    # sums in another order: less than what the solver's tolerance of 1e-7 leaves
+    assert there == pytest.approx(here.activations().first(len(points)), rel=1e-6, nan_ok=True)

@@ -1,21 +1,44 @@
 """What numba has no words for: several numbers in one register, and threads that meet."""
 
 import platform
+from collections.abc import Callable
 from typing import Any
 
+import llvmlite.binding as llvm
+import numba
 from llvmlite import ir
 from numba import types
+from numba.core import cgutils
 from numba.extending import intrinsic
 
-GROUP = 4
+GROUP = 8
 """Rows that are done at once: as many as a register has numbers."""
+WINDOW = 2 * GROUP
+"""Elements of a vector that the entries of eight rows are picked from at once: two registers."""
 
-_DOUBLE = ir.DoubleType()
-_PAIR, _QUAD = ir.VectorType(_DOUBLE, 2), ir.VectorType(_DOUBLE, GROUP)
-_FOUR = ir.VectorType(ir.FloatType(), GROUP)
-_INT32, _INT64 = ir.IntType(32), ir.IntType(64)
+_FLOAT, _DOUBLE = ir.FloatType(), ir.DoubleType()
+_INT8, _INT32, _INT64 = ir.IntType(8), ir.IntType(32), ir.IntType(64)
+_SINGLES, _DOUBLES = ir.VectorType(_FLOAT, GROUP), ir.VectorType(_DOUBLE, GROUP)
+_PLACES = {_SINGLES: ir.VectorType(_INT32, GROUP), _DOUBLES: ir.VectorType(_INT64, GROUP)}
+_BOTH_HALVES = {
+    _SINGLES: "llvm.x86.avx512.vpermi2var.ps.256",
+    _DOUBLES: "llvm.x86.avx512.vpermi2var.pd.512",
+}
+_ONE_HALF = "llvm.x86.avx2.permps"
 
 
+def _can(feature: str) -> bool:
+    """Return whether the processor that is compiled for has a feature, by what numba is told."""
+    # by name: the annotations of numba do not know its settings
+    told = vars(numba.config)
+    if told["CPU_NAME"] or told["CPU_FEATURES"]:
+        return f"+{feature}" in (told["CPU_FEATURES"] or "").split(",")
+    return bool(llvm.get_host_cpu_features().get(feature, False))
+
+
+_PICKS_OF_BOTH, _PICKS_OF_ONE = _can("avx512vl"), _can("avx2")
+
+_tools: Any = cgutils
 _known: Any = intrinsic
 """numba's decorator, whose annotations know nothing of the first argument being dropped."""
 
@@ -25,37 +48,11 @@ def _data(context: Any, builder: Any, kind: Any, array: Any) -> Any:
     return context.make_array(kind)(context, builder, array).data
 
 
-def _at(builder: Any, data: Any, index: Any, kind: Any) -> Any:
-    """Return the pointer to several elements of an array, from an index on."""
-    return builder.bitcast(builder.gep(data, [index]), kind.as_pointer())
-
-
-def _load(builder: Any, data: Any, index: Any, kind: Any, *, align: int = 8) -> Any:
-    """Return elements of an array, in one register."""
-    loaded = builder.load(_at(builder, data, index, kind))
-    loaded.align = align
+def _load(builder: Any, data: Any, index: Any, kind: Any) -> Any:
+    """Return some elements of an array, from an index on, in one register."""
+    loaded = builder.load(builder.bitcast(builder.gep(data, [index]), kind.as_pointer()))
+    loaded.align = 4 if kind.element == _FLOAT else 8 if kind.element == _DOUBLE else 1
     return loaded
-
-
-def _columns(builder: Any, data: Any, entry: Any) -> list[Any]:
-    """Return the columns of the entries of a group, two of them with each load.
-
-    Loaded as if other threads wrote them: otherwise the compiler would gather the elements of the
-    vector with instructions that take longer than loading them one by one.
-    """
-    found = []
-    for k in range(0, GROUP, 2):
-        at = builder.add(entry, ir.Constant(_INT64, k))
-        both = builder.load_atomic(_at(builder, data, at, _INT64), "monotonic", 8)
-        found.append(builder.zext(builder.trunc(both, _INT32), _INT64))
-        found.append(builder.lshr(both, ir.Constant(_INT64, 32)))
-    return found
-
-
-def _shuffled(builder: Any, left: Any, right: Any, order: tuple[int, ...]) -> Any:
-    """Return some numbers of two registers in one."""
-    mask = ir.Constant(ir.VectorType(_INT32, len(order)), list(order))
-    return builder.shuffle_vector(left, right, mask)
 
 
 def _plus_product(builder: Any, left: Any, right: Any, total: Any) -> Any:
@@ -64,29 +61,62 @@ def _plus_product(builder: Any, left: Any, right: Any, total: Any) -> Any:
     return builder.fadd(product, total, flags=("contract",))
 
 
-def _gathered(builder: Any, vector: Any, columns: list[Any]) -> Any:
-    """Return the elements of a vector in four columns."""
-    register = ir.Constant(_FOUR, [0.0] * GROUP)
-    for lane, column in enumerate(columns):
-        element = builder.load(builder.gep(vector, [column]))
-        register = builder.insert_element(register, element, ir.Constant(_INT32, lane))
+def _all(builder: Any, number: Any, kind: Any) -> Any:
+    """Return a register that holds one number everywhere."""
+    register = ir.Constant(kind, ir.Undefined)
+    for lane in range(GROUP):
+        register = builder.insert_element(register, number, ir.Constant(_INT32, lane))
     return register
 
 
-def _parted(builder: Any, pairs: list[Any]) -> tuple[Any, Any]:
-    """Return real and imaginary parts of four complex numbers."""
-    a, b, c, d = pairs
-    left, right = (_shuffled(builder, *two, (0, 1, 2, 3)) for two in ((a, c), (b, d)))
-    return _shuffled(builder, left, right, (0, 4, 2, 6)), _shuffled(
-        builder, left, right, (1, 5, 3, 7)
-    )
+def _calling(builder: Any, name: str, kind: Any, arguments: list[Any]) -> Any:
+    """Return what an instruction of the processor makes of its arguments."""
+    function = ir.FunctionType(kind, [argument.type for argument in arguments])
+    return builder.call(builder.module.declare_intrinsic(name, (), function), arguments)
 
 
-def _gathered_pairs(builder: Any, vectors: Any, columns: list[Any]) -> tuple[Any, Any]:
-    """Return real and imaginary parts of a complex vector in four columns."""
-    numbers = builder.bitcast(vectors, _DOUBLE.as_pointer())
-    twice = [builder.shl(column, ir.Constant(_INT64, 1)) for column in columns]
-    return _parted(builder, [_load(builder, numbers, at, _PAIR) for at in twice])
+class _Slot:
+    """An entry of each of eight rows: all in a window of sixteen columns."""
+
+    def __init__(self, builder: Any, base: Any, places: Any, number: Any) -> None:
+        self._builder = builder
+        first = builder.load(builder.gep(base, [number]))
+        self._first = builder.zext(first, _INT64)
+        self._entry = builder.mul(number, ir.Constant(_INT64, GROUP))
+        self._places = _load(builder, places, self._entry, ir.VectorType(_INT8, GROUP))
+        at = builder.bitcast(builder.gep(places, [self._entry]), _INT64.as_pointer())
+        # as if other threads wrote it, or the compiler takes it out of a vector, byte by byte
+        self._packed = builder.load_atomic(at, "monotonic", 8)
+
+    def values(self, data: Any, kind: Any) -> Any:
+        """Return the entries of a matrix."""
+        return _load(self._builder, data, self._entry, kind)
+
+    def pick(self, vector: Any, kind: Any) -> Any:
+        """Return the elements of a vector in the columns of the entries."""
+        builder = self._builder
+        if not (_PICKS_OF_BOTH or (_PICKS_OF_ONE and kind == _SINGLES)):
+            return self._pick_one_by_one(vector, kind)
+        second = builder.add(self._first, ir.Constant(_INT64, GROUP))
+        low, high = (_load(builder, vector, at, kind) for at in (self._first, second))
+        wide = _PLACES[kind]
+        places = builder.zext(self._places, wide)
+        if _PICKS_OF_BOTH:
+            return _calling(builder, _BOTH_HALVES[kind], kind, [low, places, high])
+        picked = [_calling(builder, _ONE_HALF, kind, [half, places]) for half in (low, high)]
+        in_low = builder.icmp_unsigned("<", places, ir.Constant(wide, [GROUP] * GROUP))
+        return builder.select(in_low, *picked)
+
+    def _pick_one_by_one(self, vector: Any, kind: Any) -> Any:
+        """Pick as any machine can."""
+        builder, found = self._builder, ir.Constant(kind, ir.Undefined)
+        window = builder.gep(vector, [self._first])
+        for k in range(GROUP):
+            place = builder.lshr(self._packed, ir.Constant(_INT64, 8 * k))
+            place = builder.and_(place, ir.Constant(_INT64, 255))
+            element = builder.load(builder.gep(window, [place]))
+            found = builder.insert_element(found, element, ir.Constant(_INT32, k))
+        return found
 
 
 class _Call:
@@ -106,91 +136,83 @@ class _Call:
         argument = self._arguments[place]
         return argument if part is None else self._builder.extract_value(argument, part)
 
+    def sums(self, kinds: tuple[Any, ...], products: Callable[[_Slot], list[Any]]) -> list[Any]:
+        """Return the sums of products over the slots of a group.
 
-def _products(count: int, *, onto: bool) -> Any:
-    """Return the function that sums products over ``count`` entries of a group of rows.
+        The second argument of the call is (windows, places, first slot, slots); ``products``
+        returns a pair of factors for each sum.
+        """
+        builder, base, places = self._builder, self.data(1, 0), self.data(1, 1)
+        totals = [_tools.alloca_once_value(builder, ir.Constant(kind, None)) for kind in kinds]
+        with _tools.for_range(builder, self.value(1, 3), intp=_INT64) as loop:
+            slot = _Slot(builder, base, places, builder.add(self.value(1, 2), loop.index))
+            for total, (left, right) in zip(totals, products(slot), strict=True):
+                builder.store(_plus_product(builder, left, right, builder.load(total)), total)
+        return [builder.load(total) for total in totals]
 
-    It writes the sums of ``values[e] * vector[columns[e]]``, all in single precision, to
-    ``out[row : row + 4]`` or adds them there (``onto``); ``target`` is (out, row).
+
+@_known  # type: ignore[untyped-decorator]
+def products(typing: Any, out: Any, slots: Any, values: Any, vector: Any) -> Any:
+    """Write the sums of ``values[e] * vector[column of e]`` to eight rows, in single precision.
+
+    ``out`` is (array, first row), ``slots`` (windows, places, first slot, how many).
     """
+    signature = types.void(out, slots, values, vector)
 
-    def typed(typing: Any, values: Any, vector: Any, columns: Any, entry: Any, target: Any) -> Any:
-        signature = types.void(values, vector, columns, entry, target)
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        call = _Call(context, builder, signature, arguments)
+        values, vector = call.data(2), call.data(3)
+        (total,) = call.sums(
+            (_SINGLES,), lambda slot: [(slot.values(values, _SINGLES), slot.pick(vector, _SINGLES))]
+        )
+        _store(builder, total, call.data(0, 0), call.value(0, 1))
+        return context.get_dummy_value()
 
-        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            call = _Call(context, builder, signature, arguments)
-            values, vector, columns = (call.data(place) for place in range(3))
-            place = _at(builder, call.data(4, 0), call.value(4, 1), _FOUR)
-            totals = [ir.Constant(_FOUR, [0.0] * GROUP)] * 2
-            for k in range(count):
-                at = builder.add(call.value(3), ir.Constant(_INT64, GROUP * k))
-                found = _gathered(builder, vector, _columns(builder, columns, at))
-                factor = _load(builder, values, at, _FOUR, align=4)
-                totals[k % 2] = _plus_product(builder, factor, found, totals[k % 2])
-            _store_sum(builder, builder.fadd(*totals), place, onto=onto)
-            return context.get_dummy_value()
-
-        return signature, generate
-
-    return intrinsic(typed)
+    return signature, generate
 
 
-def _differences(count: int, *, onto: bool) -> Any:
-    """Return the function that applies M and w K to differences, over some entries of four rows.
+@_known  # type: ignore[untyped-decorator]
+def differences(typing: Any, out: Any, slots: Any, values: Any, vectors: Any, nodal: Any) -> Any:
+    """Apply M and w K to differences, for eight rows.
 
     ``values`` are the entries m and k of M and K beside the diagonal, in single precision, and
-    ``vectors`` holds c + i g in double precision. To ``out[row : row + 4]`` it writes, scaled and
-    rounded to single precision, the sums of ``m (c[column] - c[row]) - w k (g[column] - g[row])``
-    and the lumped mass times ``c[row]``; ``onto`` leaves the latter out and adds to what is there.
-    ``target`` is (out, row, lumped, scale, w).
+    ``vectors`` c and g in double precision. Writes, scaled and rounded to single precision, the
+    sums of ``m (c[column] - c[row]) - w k (g[column] - g[row])`` and the lumped mass times
+    ``c[row]``. ``out`` is (array, first row), ``nodal`` (lumped, scale, w).
     """
+    signature = types.void(out, slots, values, vectors, nodal)
 
-    def typed(typing: Any, values: Any, vectors: Any, columns: Any, entry: Any, target: Any) -> Any:
-        signature = types.void(values, vectors, columns, entry, target)
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        call = _Call(context, builder, signature, arguments)
+        row, two = call.value(0, 1), (0, 1)
+        entries, vectors = ([call.data(place, part) for part in two] for place in (2, 3))
+        own = [_load(builder, vector, row, _DOUBLES) for vector in vectors]
 
-        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            call = _Call(context, builder, signature, arguments)
-            pair, vectors, columns = [call.data(0, 0), call.data(0, 1)], call.data(1), call.data(2)
-            row = call.value(4, 1)
-            lanes = [builder.add(row, ir.Constant(_INT64, lane)) for lane in range(GROUP)]
-            own = _gathered_pairs(builder, vectors, lanes)
-            totals = [ir.Constant(_QUAD, [0.0] * GROUP)] * 2
-            for k in range(count):
-                at = builder.add(call.value(3), ir.Constant(_INT64, GROUP * k))
-                found = _gathered_pairs(builder, vectors, _columns(builder, columns, at))
-                for part in (0, 1):
-                    single = _load(builder, pair[part], at, _FOUR, align=4)
-                    factor = builder.fpext(single, _QUAD)
-                    apart = builder.fsub(found[part], own[part])
-                    totals[part] = _plus_product(builder, factor, apart, totals[part])
-            weight = ir.Constant(_QUAD, ir.Undefined)
-            for lane in range(GROUP):
-                weight = builder.insert_element(weight, call.value(4, 4), ir.Constant(_INT32, lane))
-            total = builder.fsub(totals[0], builder.fmul(weight, totals[1]))
-            if not onto:
-                lumped = _load(builder, call.data(4, 2), row, _QUAD)
-                total = _plus_product(builder, lumped, own[0], total)
-            scaled = builder.fmul(total, _load(builder, call.data(4, 3), row, _QUAD))
-            place = _at(builder, call.data(4, 0), row, _FOUR)
-            _store_sum(builder, builder.fptrunc(scaled, _FOUR), place, onto=onto)
-            return context.get_dummy_value()
+        def factors(slot: _Slot) -> list[Any]:
+            return [
+                (
+                    builder.fpext(slot.values(entries[part], _SINGLES), _DOUBLES),
+                    builder.fsub(slot.pick(vectors[part], _DOUBLES), own[part]),
+                )
+                for part in two
+            ]
 
-        return signature, generate
+        moved, spread = call.sums((_DOUBLES, _DOUBLES), factors)
+        weight = _all(builder, call.value(4, 2), _DOUBLES)
+        total = builder.fsub(moved, builder.fmul(weight, spread))
+        lumped = _load(builder, call.data(4, 0), row, _DOUBLES)
+        total = _plus_product(builder, lumped, own[0], total)
+        scaled = builder.fmul(total, _load(builder, call.data(4, 1), row, _DOUBLES))
+        _store(builder, builder.fptrunc(scaled, _SINGLES), call.data(0, 0), row)
+        return context.get_dummy_value()
 
-    return intrinsic(typed)
+    return signature, generate
 
 
-def _store_sum(builder: Any, total: Any, place: Any, *, onto: bool) -> None:
-    """Store four numbers, or add them to what is there."""
-    if onto:
-        before = builder.load(place)
-        before.align = 4
-        total = builder.fadd(before, total)
-    builder.store(total, place).align = 4
-
-
-six_products, add_product = _products(6, onto=False), _products(1, onto=True)
-six_differences, add_difference = _differences(6, onto=False), _differences(1, onto=True)
+def _store(builder: Any, numbers: Any, data: Any, row: Any) -> None:
+    """Store eight numbers."""
+    place = builder.bitcast(builder.gep(data, [row]), _SINGLES.as_pointer())
+    builder.store(numbers, place).align = 4
 
 
 @_known  # type: ignore[untyped-decorator]

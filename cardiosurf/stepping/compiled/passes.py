@@ -13,13 +13,7 @@ import numpy as np
 
 from cardiosurf.stepping.compiled.keep import apart
 from cardiosurf.stepping.compiled.laws import rates
-from cardiosurf.stepping.compiled.machine import (
-    GROUP,
-    add_difference,
-    add_product,
-    six_differences,
-    six_products,
-)
+from cardiosurf.stepping.compiled.machine import GROUP, differences, products
 from cardiosurf.stepping.limits import BLOW_UP, REST_LEVEL, THRESHOLD
 
 LUMPED, INVERSE = range(2)
@@ -31,8 +25,7 @@ R, Q, X = range(3)
 SIZE, ERROR, PQ, RQ, QQ, UNSOUND, BROKEN, WARM, CROSSED = np.arange(9)
 """Columns of ``work.sums``; of a type of their own, or ``total`` is compiled for each of them."""
 
-ONE, FOUR, SIX = np.uint64(1), np.uint64(GROUP), np.uint64(6)
-SIX_FOURS = SIX * FOUR
+ONE, EIGHT = np.uint64(1), np.uint64(GROUP)
 
 
 @apart
@@ -43,9 +36,10 @@ def prepare(streams: Any, active: Any, rule: Any, guess: Any, sums: Any, share: 
     new potential as it stands then.
 
     known = sum of past states + dt times past reactions. With e, the earlier implicit terms, the
-    residual of the guess is M (known - guess) - w K (guess + e); ``vectors`` holds the two.
+    residual of the guess is M (known - guess) - w K (guess + e): M and K are applied to ``changed``
+    and ``raised``.
     """
-    u0, u1, u2, u3, new_u, v0, v1, new_v, lumped, inverse, vectors = streams
+    u0, u1, u2, u3, new_u, v0, v1, new_v, lumped, inverse, changed, raised = streams
     a0, a1, f0, f1, b1 = rule.state0, rule.state1, rule.push0, rule.push1, rule.implicit1
     g0, g1, g2, g3, c = guess[0], guess[1], guess[2], guess[3], rule.constants
     first, last, extents = share
@@ -61,7 +55,7 @@ def prepare(streams: Any, active: Any, rule: Any, guess: Any, sums: Any, share: 
             v = a0 * v0[i] + a1 * v1[i] + on * (f0 * here[1] + f1 * before[1])
             new_u[i] = guessed
             new_v[i] = v
-            vectors[i] = complex(known - guessed, guessed + b1 * u0[i])
+            changed[i], raised[i] = known - guessed, guessed + b1 * u0[i]
             weighed = lumped[i] * inverse[i] * known
             size += weighed * weighed
             broken += not abs(v) < np.inf
@@ -70,23 +64,16 @@ def prepare(streams: Any, active: Any, rule: Any, guess: Any, sums: Any, share: 
 
 
 @apart
-def residual(p: Any, vectors: Any, nodal: Any, rows: Any, sums: Any, share: Any) -> None:
+def residual(p: Any, pairs: Any, nodal: Any, rows: Any, sums: Any, share: Any) -> None:
     """Write the residual of the guess, scaled by D^-1/2: the first direction."""
-    start, longer, columns, pair, weight = rows
+    (start, window, place), both, weight = rows
     lumped, inverse = nodal
     first, last, extents = share
     for block in range(first, last):
         low, high = extents[block], extents[block + 1]
-        row, entry = low, start[low // FOUR]
-        for _ in range(low // FOUR, longer[block]):
-            six_differences(pair, vectors, columns, entry, (p, row, lumped, inverse, weight))
-            row, entry = row + FOUR, entry + SIX_FOURS
-        for group in range(longer[block], (high + FOUR - ONE) // FOUR):
-            target = (p, row, lumped, inverse, weight)
-            six_differences(pair, vectors, columns, start[group], target)
-            for more in range(start[group] + SIX_FOURS, start[group + 1], FOUR):
-                add_difference(pair, vectors, columns, more, target)
-            row += FOUR
+        for group in range(low // EIGHT, (high + EIGHT - ONE) // EIGHT):
+            slots = (window, place, start[group], start[group + ONE] - start[group])
+            differences((p, EIGHT * group), slots, both, pairs, (lumped, inverse, weight))
         error = 0.0
         for i in range(low, high):
             value = np.float64(p[i])
@@ -97,19 +84,13 @@ def residual(p: Any, vectors: Any, nodal: Any, rows: Any, sums: Any, share: Any)
 @apart
 def multiply(p: Any, r: Any, q: Any, rows: Any, sums: Any, share: Any) -> None:
     """Write q = A p, and the products p q, r q and q q."""
-    start, longer, columns, system = rows
+    (start, window, place), system = rows
     first, last, extents = share
     for block in range(first, last):
         low, high = extents[block], extents[block + 1]
-        row, entry = low, start[low // FOUR]
-        for _ in range(low // FOUR, longer[block]):
-            six_products(system, p, columns, entry, (q, row))
-            row, entry = row + FOUR, entry + SIX_FOURS
-        for group in range(longer[block], (high + FOUR - ONE) // FOUR):
-            six_products(system, p, columns, start[group], (q, row))
-            for more in range(start[group] + SIX_FOURS, start[group + 1], FOUR):
-                add_product(system, p, columns, more, (q, row))
-            row += FOUR
+        for group in range(low // EIGHT, (high + EIGHT - ONE) // EIGHT):
+            slots = (window, place, start[group], start[group + ONE] - start[group])
+            products((q, EIGHT * group), slots, system, p)
         pq, rq, qq = 0.0, 0.0, 0.0
         for i in range(low, high):
             value = p[i] + q[i]

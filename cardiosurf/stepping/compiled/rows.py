@@ -10,24 +10,25 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from cardiosurf.arrays import Floats, Ints, Matrix, Singles
 from cardiosurf.fem.operators import Operators
-from cardiosurf.stepping.compiled.machine import GROUP
+from cardiosurf.stepping.compiled.machine import GROUP, WINDOW
 
-LEAST = 6
 BLOCK = 1024
 """Rows of a block: what a thread does at a time, and what sums are made of, in a fixed order."""
 
-CHUNK = 4 * BLOCK
+CHUNK = 16 * BLOCK
 """Rows that are laid out at a time: little is needed beside the matrices themselves."""
+
+_NONE = 2**40
+"""A column beyond all others."""
 
 
 class Rows(NamedTuple):
     """M, K and A = M + w K row by row, in an order of their own.
 
-    Neighbours are near one another (reverse Cuthill-McKee), and within a block rows with as many
-    neighbours stand together. Four rows make a group, which is done at once: their first entries
-    lie side by side, then their second ones, and so on. A group has as many entries as its longest
-    row, and at least six: nearly all have exactly six, and the loop over these is unrolled. What
-    is missing is filled up with zeros.
+    Neighbours are near one another (reverse Cuthill-McKee), so neighbours of eight rows in a row
+    are, too. A slot holds an entry of each of eight rows, all in columns of one window of sixteen;
+    it fills as few as it can, mostly six to nine for eight rows. What is missing is filled up with
+    zeros.
 
     Entries are those beside the diagonal, in single precision. What stands on the diagonal
     follows from the row sums, which are exact: the lumped mass for M and nothing for K. So a
@@ -35,15 +36,15 @@ class Rows(NamedTuple):
 
     Attributes
     ----------
-    start : (m / 4 + 1,) uint64
-        First entry of each group; m is n rounded up to full groups.
-    longer : (b,) uint64
-        First group of each block that has more than six entries a row.
-    columns : (z,) uint32
-        The neighbour that an entry belongs to; 0 where it was filled up.
-    mass, stiffness : (z,) float32
+    start : (g + 1,) uint64
+        First slot of each group of eight rows; m is n rounded up to full groups, and a group more.
+    window : (z,) uint32
+        First column of each slot, a multiple of eight.
+    place : (z, 8) uint8
+        Where in the window an entry's column is; 0 where it was filled up.
+    mass, stiffness : (z, 8) float32
         Its entries in M and K.
-    system : (z,) float32
+    system : (z, 8) float32
         Its entry in D^-1/2 A D^-1/2, D the diagonal of A; ``weigh`` sets them.
     nodal : (2, m) float
         The row sums of M and D^-1/2: see ``passes.LUMPED``; ``weigh`` sets the latter.
@@ -52,8 +53,8 @@ class Rows(NamedTuple):
     """
 
     start: NDArray[np.uint64]
-    longer: NDArray[np.uint64]
-    columns: NDArray[np.uint32]
+    window: NDArray[np.uint32]
+    place: NDArray[np.uint8]
     mass: Singles
     stiffness: Singles
     system: Singles
@@ -91,82 +92,129 @@ def arrange(operators: Operators) -> Arrangement:
     """
     mass, stiffness = _same_pattern(operators.mass, operators.stiffness)
     n = mass.shape[0]
-    neighbours = np.diff(mass.indptr) - 1
     vertex = np.asarray(reverse_cuthill_mckee(mass, symmetric_mode=True), dtype=np.int32)
-    block = np.arange(n, dtype=np.int32) // BLOCK
-    vertex = vertex[np.lexsort((np.maximum(neighbours[vertex], LEAST), block))]
     row = np.empty(n, dtype=np.int32)
     row[vertex] = np.arange(n, dtype=np.int32)
-
-    full = -(-n // GROUP) * GROUP
-    width = np.full(full, LEAST)
-    np.maximum(neighbours[vertex], LEAST, out=width[:n])
-    longest = width.reshape(-1, GROUP).max(axis=1)
-    start = np.concatenate(([0], np.cumsum(GROUP * longest))).astype(np.uint64)
-    sixes = np.add.reduceat(longest == LEAST, np.arange(0, len(longest), BLOCK // GROUP))
+    chunks = [_chunk(first, mass, vertex, row) for first in range(0, n, CHUNK)]
+    slots = np.concatenate([chunk.slots for chunk in chunks])
+    entry = [chunk.entry for chunk in chunks]
     rows = Rows(
-        start=start,
-        longer=(np.arange(0, len(longest), BLOCK // GROUP) + sixes).astype(np.uint64),
-        columns=np.zeros(start[-1], dtype=np.uint32),
-        mass=np.zeros(start[-1], dtype=np.float32),
-        stiffness=np.zeros(start[-1], dtype=np.float32),
-        system=np.zeros(start[-1], dtype=np.float32),
-        nodal=np.zeros((2, full)),
+        start=np.concatenate(([0], np.cumsum(slots))).astype(np.uint64),
+        window=np.concatenate([chunk.window for chunk in chunks]),
+        place=np.concatenate([chunk.place for chunk in chunks]),
+        mass=_entries(mass.data, entry),
+        stiffness=_entries(stiffness.data, entry),
+        system=np.zeros((int(slots.sum()), GROUP), dtype=np.float32),
+        nodal=np.zeros((2, GROUP * (len(slots) + 1))),
         extents=np.append(np.arange(0, n, BLOCK), n).astype(np.uint64),
     )
     rows.nodal[0, :n] = np.asarray(mass.sum(axis=1))[vertex]
-    arrangement = Arrangement(rows, vertex, row)
-    for place, entry, column in _pieces(arrangement, mass):
-        rows.columns[place] = column
-        rows.mass[place] = mass.data[entry]
-        rows.stiffness[place] = stiffness.data[entry]
-    return arrangement
+    return Arrangement(rows, vertex, row)
 
 
 def weigh(rows: Rows, w: float) -> None:
     """Set the matrix of a step for a weight w, in tu."""
     lumped, inverse = rows.nodal
-    for first, owner, entry in _stretches(rows):
-        beside = rows.mass[entry] + w * rows.stiffness[entry].astype(np.float64)
-        size = len(lumped[first : first + CHUNK])
-        sums = np.bincount(owner - first, beside, minlength=size)
+    for groups, some in _stretches(rows):
+        beside = rows.mass[some] + w * rows.stiffness[some].astype(np.float64)
+        sums = np.add.reduceat(beside, (rows.start[groups] - rows.start[groups.start]).astype(int))
+        of_groups = slice(GROUP * groups.start, GROUP * groups.stop)
+        diagonal = lumped[of_groups] - sums.ravel()
         with np.errstate(invalid="ignore", divide="ignore"):
             # a matrix that is not positive is found out by conjugate gradients
-            inverse[first : first + CHUNK] = 1.0 / np.sqrt(lumped[first : first + CHUNK] - sums)
+            inverse[of_groups] = 1.0 / np.sqrt(diagonal)
     # rows that only fill the last group up
     inverse[lumped == 0.0] = 0.0
-    for _, owner, entry in _stretches(rows):
-        beside = rows.mass[entry] + w * rows.stiffness[entry].astype(np.float64)
-        rows.system[entry] = beside * inverse[owner] * inverse[rows.columns[entry]]
+    for groups, some in _stretches(rows):
+        beside = rows.mass[some] + w * rows.stiffness[some].astype(np.float64)
+        count = np.diff(rows.start[groups.start : groups.stop + 1]).astype(np.int64)
+        first_row = GROUP * np.arange(groups.start, groups.stop)
+        owner = np.repeat(first_row, count)[:, None] + np.arange(GROUP)
+        column = rows.window[some].astype(np.int64)[:, None] + rows.place[some]
+        rows.system[some] = beside * inverse[owner] * inverse[column]
 
 
-def _stretches(rows: Rows) -> Iterator[tuple[int, Ints, slice]]:
-    """Yield the first of some rows, and their entries with the rows that these are in."""
-    for first in range(0, rows.nodal.shape[1], CHUNK):
-        bounds = rows.start[first // GROUP : (first + CHUNK) // GROUP + 1].astype(np.int64)
-        groups = np.repeat(np.arange(len(bounds) - 1), np.diff(bounds))
-        owner = first + GROUP * groups + np.arange(len(groups)) % GROUP
-        yield first, owner, slice(int(bounds[0]), int(bounds[-1]))
+def _stretches(rows: Rows) -> Iterator[tuple[slice, slice]]:
+    """Yield some groups and their slots, a chunk at a time."""
+    count = len(rows.start) - 1
+    for first in range(0, count, CHUNK // GROUP):
+        last = min(first + CHUNK // GROUP, count)
+        yield slice(first, last), slice(int(rows.start[first]), int(rows.start[last]))
 
 
-def _pieces(arrangement: Arrangement, pattern: Matrix) -> Iterator[tuple[Ints, Ints, Ints]]:
-    """Yield the entries beside the diagonal, some rows at a time.
+class _Chunk(NamedTuple):
+    """Some of the rows: slots of each group, and the rest as in ``Rows``.
 
-    Yields their places in ``Rows``, their numbers in the matrices, and their columns.
+    ``entry`` (z, 8) are the numbers of the entries in the matrices, -1 where there is none.
     """
-    rows, vertex, row = arrangement
-    for first in range(0, len(vertex), CHUNK):
-        some = vertex[first : first + CHUNK]
-        begin = pattern.indptr[some].astype(np.int64)
-        count = pattern.indptr[some + 1] - begin
-        entry = np.repeat(begin, count) + _ranks(count)
-        owner = np.repeat(np.arange(first, first + len(some)), count)
-        column = row[pattern.indices[entry]]
-        beside = column != owner
-        entry, owner, column = entry[beside], owner[beside], column[beside]
-        group, lane = np.divmod(owner, GROUP)
-        place = rows.start[group].astype(np.int64) + GROUP * _ranks(count - 1) + lane
-        yield place, entry, column
+
+    slots: Ints
+    window: NDArray[np.uint32]
+    place: NDArray[np.uint8]
+    entry: NDArray[np.int32]
+
+
+def _chunk(
+    first: int, pattern: Matrix, vertex: NDArray[np.int32], row: NDArray[np.int32]
+) -> _Chunk:
+    """Lay some rows out."""
+    columns, entries = _table(first, pattern, vertex, row)
+    groups, lane = len(columns), np.arange(GROUP)
+    # a row's entries come in the order of their columns: those that are left begin ``at`` some
+    at = np.zeros((groups, GROUP), dtype=np.int64)
+    found: list[tuple[Ints, Ints, Ints, Ints]] = []
+    left = np.arange(groups)
+    while len(left):
+        next_ones = (left[:, None], lane, at[left])
+        nearest = columns[next_ones]
+        base = nearest.min(axis=1, keepdims=True) // GROUP * GROUP
+        taken = nearest < np.minimum(base + WINDOW, _NONE)
+        place, entry = np.where(taken, nearest - base, 0), np.where(taken, entries[next_ones], -1)
+        found.append((left, np.where(taken.any(axis=1), base[:, 0], 0), place, entry))
+        at[left] += taken
+        left = left[(columns[left[:, None], lane, at[left]] < _NONE).any(axis=1)]
+
+    group, window, place, entry = (np.concatenate(part) for part in zip(*found, strict=True))
+    order = np.argsort(group, kind="stable")
+    return _Chunk(
+        slots=np.bincount(group),
+        window=window[order].astype(np.uint32),
+        place=place[order].astype(np.uint8),
+        entry=entry[order].astype(np.int32),
+    )
+
+
+def _table(
+    first: int, pattern: Matrix, vertex: NDArray[np.int32], row: NDArray[np.int32]
+) -> tuple[Ints, Ints]:
+    """Return columns and numbers of the entries beside the diagonal of some rows.
+
+    By groups of rows, (g, 8, w), in the order of the columns; ``_NONE`` where a row has no more.
+    """
+    some = vertex[first : first + CHUNK]
+    begin = pattern.indptr[some].astype(np.int64)
+    count = pattern.indptr[some + 1] - begin
+    entry = np.repeat(begin, count) + _ranks(count)
+    owner = np.repeat(np.arange(len(some)), count)
+    column = row[pattern.indices[entry]].astype(np.int64)
+    order = np.lexsort((column, owner))
+    beside = order[column[order] != first + owner[order]]
+    owner, column, entry = owner[beside], column[beside], entry[beside]
+    shape = (-(-len(some) // GROUP) * GROUP, int(count.max()))
+    columns, entries = np.full(shape, _NONE), np.full(shape, -1)
+    place = (owner, _ranks(count - 1))
+    columns[place], entries[place] = column, entry
+    return columns.reshape(-1, GROUP, shape[1]), entries.reshape(-1, GROUP, shape[1])
+
+
+def _entries(data: Floats, places: list[NDArray[np.int32]]) -> Singles:
+    """Return a matrix's entries in single precision, zero where there is none."""
+    entries = np.empty((sum(map(len, places)), GROUP), dtype=np.float32)
+    done = 0
+    for some in places:
+        entries[done : done + len(some)] = np.where(some >= 0, data[some], 0.0)
+        done += len(some)
+    return entries
 
 
 def _ranks(count: Ints) -> Ints:

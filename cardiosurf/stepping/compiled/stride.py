@@ -73,18 +73,17 @@ class Now(NamedTuple):
 @apart
 def add_current(streams: Any, nodal: Any, rule: Any, sums: Any, share: Any) -> None:
     """Add a stimulus's current to what is known, and to its size."""
-    vectors, new, current = streams
+    changed, new, current = streams
     first, last, extents = share
     for block in range(first, last):
         more = 0.0
         for i in range(extents[block], extents[block + 1]):
             push = rule.current_step * current[i]
-            # known - guess, of which the new potential is the guess still
-            apart_from_guess = vectors[i].real
-            known = apart_from_guess + new[i]
+            # changed = known - guess, and the new potential is the guess still
+            known = changed[i] + new[i]
             scale = nodal[LUMPED, i] * nodal[INVERSE, i]
             more += scale * scale * push * (2.0 * known + push)
-            vectors[i] = complex(apart_from_guess + push, vectors[i].imag)
+            changed[i] += push
         sums[block, SIZE] += more
 
 
@@ -168,15 +167,15 @@ def turn(now: Any) -> None:
 def known_and_guess(nodal: Any, rule: Any, spaces: Any, now: Any, share: Any) -> None:
     """Write what is known, what is guessed, and the new recovery.
 
-    ``spaces`` are fields, vectors, active, current and sums of the work space.
+    ``spaces`` are fields, pairs, active, current and sums of the work space.
     """
-    (f, vectors, active, current, sums), s = spaces, now.slots
+    (f, pairs, active, current, sums), s = spaces, now.slots
     potentials = (f[s[U0]], f[s[U1]], f[s[U2]], f[s[U3]], f[s[NEW_U]])
     recoveries = (f[s[V0]], f[s[V1]], f[s[NEW_V]])
-    streams = (*potentials, *recoveries, nodal[LUMPED], nodal[INVERSE], vectors)
+    streams = (*potentials, *recoveries, nodal[LUMPED], nodal[INVERSE], pairs[0], pairs[1])
     prepare(streams, active, rule, now.guess, sums, share)
     if len(current) > 0:
-        add_current((vectors, f[s[NEW_U]], current), nodal, rule, sums, share)
+        add_current((pairs[0], f[s[NEW_U]], current), nodal, rule, sums, share)
 
 
 @apart
@@ -187,12 +186,13 @@ def correct(rows: Any, rule: Any, work: Any, scar: Any, now: Any, share: Any) ->
     the residual over that of the goal, at least 1 where the guess is to be corrected once more.
     """
     fields, sums, threads = work.fields, work.sums, rule.threads
-    spaces = (fields, work.vectors, work.active, work.current, sums)
+    spaces = (fields, work.pairs, work.active, work.current, sums)
     known_and_guess(rows.nodal, rule, spaces, now, share)
     meet(work.report, threads)
     p, singles, nodal = work.direction, work.singles, rows.nodal
-    both = (rows.start, rows.longer, rows.columns, (rows.mass, rows.stiffness), rule.weight)
-    residual(p, work.vectors, (nodal[LUMPED], nodal[INVERSE]), both, sums, share)
+    layout, pairs = (rows.start, rows.window, rows.place), work.pairs
+    both = (layout, (rows.mass, rows.stiffness), rule.weight)
+    residual(p, (pairs[0], pairs[1]), (nodal[LUMPED], nodal[INVERSE]), both, sums, share)
     meet(work.report, threads)
     error = total(sums, ERROR)
     if len(scar.rows) > 0:
@@ -201,7 +201,7 @@ def correct(rows: Any, rule: Any, work: Any, scar: Any, now: Any, share: Any) ->
         meet(work.report, threads)
         error += work.reals[GAIN]
     goal = rule.tolerance * rule.tolerance * total(sums, SIZE) + UNDERFLOW
-    system = (rows.start, rows.longer, rows.columns, rows.system)
+    system = (layout, rows.system)
     notes = (sums, work.report, work.reals)
     vectors = (p, singles[R], singles[Q], singles[X])
     nearer = max(goal, TRUSTED * TRUSTED * error)

@@ -70,13 +70,12 @@ class Work(NamedTuple):
     Attributes
     ----------
     fields : (8, m) float
-        Five potentials and three recoveries, which take turns (``slots``). m is n rounded up to
-        full groups.
-    vectors : (m,) complex
+        Five potentials and three recoveries, which take turns (``slots``). m as in
+        ``Rows``.
+    pairs : (2, m) float
         What M and K are applied to.
     singles : (4, m) float32
-        Vectors of conjugate gradients (``passes.R``), in the place of ``vectors``: they come
-        later.
+        Vectors of conjugate gradients (``passes.R``), in the place of ``pairs``: they come later.
     direction : (m,) float32
         Their direction.
     active : (n,) uint8
@@ -98,7 +97,7 @@ class Work(NamedTuple):
     """
 
     fields: Floats
-    vectors: NDArray[np.complex128]
+    pairs: Floats
     singles: Singles
     direction: Singles
     active: NDArray[np.uint8]
@@ -129,11 +128,11 @@ def make_work(arrangement: Arrangement, active: NDArray[np.bool_], watch: Ints, 
     """
     n, blocks = len(arrangement.vertex), len(arrangement.rows.extents) - 1
     full = arrangement.rows.nodal.shape[1]
-    vectors = _lined_up(2, full)
+    pairs = _lined_up(2, full)
     return Work(
         fields=_lined_up(8, full),
-        vectors=vectors.ravel().view(np.complex128),
-        singles=vectors.view(np.float32).reshape(4, full),
+        pairs=pairs,
+        singles=pairs.view(np.float32).reshape(4, full),
         direction=np.zeros(full, dtype=np.float32),
         active=active[arrangement.vertex].astype(np.uint8),
         current=np.zeros(0),
