@@ -46,7 +46,7 @@ class CurvedArrival:
     times : (n,) float
         Arrival, in tu; NaN where no wave comes.
     straight : (n,) float
-        That of the eikonal equation without curvature, in tu.
+        What it began from: that of the eikonal equation without curvature, in tu.
     rounds : int
         Newton steps taken.
     change : float
@@ -66,6 +66,7 @@ def curved_arrival(
     *,
     factor: float = 1.0,
     enough: float = ENOUGH,
+    straight: Floats | None = None,
 ) -> CurvedArrival:
     """Return when a front arrives whose speed is c0 sqrt(d) - g d K in isotropic tissue.
 
@@ -88,7 +89,9 @@ def curved_arrival(
         (``curvature_factor``).
     enough : float
         Change of the times (root of the mean square) at which it is done, relative to the time that
-        the wave takes in all. What is left then is one to three times that.
+        the wave takes in all. What is left then is one to eight times that.
+    straight : (n,) float or None
+        Arrival without curvature to begin from, in tu; None: of the first order, which will do.
 
     Raises
     ------
@@ -97,7 +100,8 @@ def curved_arrival(
     """
     if not 0.0 < factor < np.inf:
         raise InputError("factor", f"{factor}", "a positive number", "arrival has no curvature")
-    straight = arrival(conductor, sources, speed).times
+    if straight is None:
+        straight = arrival(conductor, sources, speed, order=1).times
     reached = np.isfinite(straight)
     system = System.of(conductor, straight, sources.vertices, (speed, factor))
     times = np.where(reached, straight, 0.0)

@@ -1,10 +1,11 @@
-"""How a wave that no patch disturbs would meet a patch: edge by edge of its entrance.
+"""How a wave that no patch disturbs would meet a patch: edge by edge, of its entrance or all round.
 
 Unlike ``entrance``, which looks at a run a front width before the patch, where the load is not felt
 yet, this looks at arrival times without any patch, at the edge itself: nothing bends them there.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,7 @@ WORST = 0.1
 
 @dataclass(frozen=True)
 class Incidence:
-    """The undisturbed front at the k edges of a patch's entrance.
+    """The undisturbed front at k edges of a patch.
 
     Attributes
     ----------
@@ -32,13 +33,18 @@ class Incidence:
     times : (k,) float
         When the front is there, in tu.
     angle : (k,) float
-        Angle of incidence A from the inward normal, in radians, from 0 to pi/2.
+        Angle of incidence A from the inward normal, in radians: from 0 to pi/2 where the front
+        goes in, up to pi where it comes out.
     curvature : (k,) float
         Geodesic curvature K of the front, in 1/su; positive where it diverges.
     before, within : Edge
         The diffusivities on both sides, in su^2/tu.
     heading : (k,) float
         d inside the patch in the front's direction, in su^2/tu.
+    enters : (k,) bool
+        Whether the edge is one of the entrance: the front goes in, and not merely along.
+    triangles : (k, 2) int
+        The triangles inside and outside the patch.
     """
 
     points: Floats
@@ -49,6 +55,16 @@ class Incidence:
     before: Edge
     within: Edge
     heading: Floats
+    enters: Mask
+    triangles: Ints
+
+    def only(self, chosen: Mask) -> "Incidence":
+        """Return the same at some of the edges (k,)."""
+
+        def kept(value: Any) -> Any:
+            return value.only(chosen) if isinstance(value, Edge) else value[chosen]
+
+        return Incidence(**{one.name: kept(getattr(self, one.name)) for one in fields(self)})
 
     def median(self, values: Floats) -> float | None:
         """Return the median of a field (k,) over the length of the entrance; None: not known."""
@@ -56,7 +72,7 @@ class Incidence:
 
 
 def incidence(wave: Map, inside: Mask) -> Incidence:
-    """Return how the undisturbed wave meets a patch.
+    """Return how the undisturbed wave meets a patch, all round it.
 
     Parameters
     ----------
@@ -68,17 +84,14 @@ def incidence(wave: Map, inside: Mask) -> Incidence:
     Returns
     -------
     Incidence
-        Without edges where the wave enters nowhere, or only where fronts meet.
+        Without the edges where fronts meet, or where no wave comes.
     """
     points, triangles = wave.points, wave.triangles
     outside = wave.excitable & ~inside
-    every, owner = edges_of(triangles, inside, outside)
+    edges, owner = edges_of(triangles, inside, outside)
     # the same edges in the same order
     before = edges_of(triangles, outside, inside)[1]
-    entered = entrance_edges(wave, inside)
-    keys = every @ np.array([len(points), 1])
-    chosen = np.flatnonzero(np.isin(keys, entered @ np.array([len(points), 1])))
-    edges, owner, before = every[chosen], owner[chosen], before[chosen]
+    keys = [pairs @ np.array([len(points), 1]) for pairs in (edges, entrance_edges(wave, inside))]
     sides = points[edges[:, 1]] - points[edges[:, 0]]
     lengths = np.linalg.norm(sides, axis=1)
     along = sides / lengths[:, None]
@@ -89,22 +102,24 @@ def incidence(wave: Map, inside: Mask) -> Incidence:
     sine = np.abs(np.einsum("ki,ki->k", direction, along))
     cosine = np.einsum("ki,ki->k", direction, inward)
     angle = np.arctan2(sine, cosine)
-    known = np.isfinite(angle + curvature) & (angle < 0.5 * np.pi)
     tensor = wave.tensor
-    within = Edge.of(tensor[owner][known], inward[known], along[known])
-    cos, sin = np.cos(angle[known]), np.einsum("ki,ki->k", direction, along)[known]
-    return Incidence(
-        points=points[edges].mean(axis=1)[known],
-        lengths=lengths[known],
-        times=wave.lat[edges].mean(axis=1)[known],
-        angle=angle[known],
-        curvature=curvature[known],
-        before=Edge.of(tensor[before][known], inward[known], along[known]),
+    within = Edge.of(tensor[owner], inward, along)
+    cos, sin = np.cos(angle), np.einsum("ki,ki->k", direction, along)
+    round_it = Incidence(
+        points=points[edges].mean(axis=1),
+        lengths=lengths,
+        times=wave.lat[edges].mean(axis=1),
+        angle=angle,
+        curvature=curvature,
+        before=Edge.of(tensor[before], inward, along),
         within=within,
         heading=within.normal * cos**2
         + within.tangential * sin**2
         + 2.0 * within.mixed * sin * cos,
+        enters=np.isin(*keys) & (angle < 0.5 * np.pi),
+        triangles=np.column_stack((owner, before)),
     )
+    return round_it.only(np.isfinite(angle + curvature))
 
 
 def weighted_quantile(values: Floats, weights: Floats, share: float) -> float | None:

@@ -5,9 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from cardiosurf.analysis.acceleration_map import acceleration_map, lat_direction
+from cardiosurf.analysis.acceleration_map import (
+    AccelerationMap,
+    acceleration_map,
+    lat_direction,
+)
 from cardiosurf.analysis.conductor import Conductor
 from cardiosurf.analysis.eikonal import arrival
+from cardiosurf.analysis.eikonal_curvature import curved_arrival
 from cardiosurf.analysis.incidence import Incidence, incidence
 from cardiosurf.analysis.prediction import (
     ACCELERATION_LIMIT,
@@ -29,19 +34,23 @@ TERMS = ("of_velocity", "of_change", "of_spread", "acceleration")
 
 @dataclass(frozen=True)
 class Arrivals:
-    """Arrival times (n,) in tu; NaN = never, without the patches, and with them.
+    """Arrival times (n,) in tu; NaN = never. Scar is a hole to all of them.
 
-    Scar is a hole to both.
+    Without the patches, the same with fronts that curvature slows, and with the patches. (Where d
+    jumps, what curvature does to a front does not settle with the mesh: docs/theory.md.)
     """
 
     undisturbed: Floats
+    curved: Floats
     as_it_is: Floats
 
 
 def arrivals(
-    surface: Surface, tissue: Tissue, pulses: tuple[Pulse, ...], ambient: float, speed: float
+    surface: Surface, tissue: Tissue, pulses: tuple[Pulse, ...], ambient: float, front: Front
 ) -> Arrivals:
     """Return when the wave of the stimuli arrives: c0 sqrt(grad T . d grad T) = 1.
+
+    With curvature its speed is c0 sqrt(d) - g d K.
 
     Parameters
     ----------
@@ -51,8 +60,8 @@ def arrivals(
         The stimuli.
     ambient : float
         Diffusivity outside the patches, in su^2/tu.
-    speed : float
-        c0, in su/tu.
+    front : Front
+        Of the kinetics.
 
     Raises
     ------
@@ -62,14 +71,15 @@ def arrivals(
     triangles = surface.triangles[tissue.excitable]
     frame = surface.frame[tissue.excitable]
     even = ambient * np.einsum("mai,maj->mij", frame, frame)
-    times = []
-    for conductor in (
-        Conductor(surface.points, triangles, even),
-        Conductor.of(surface, tissue),
-    ):
-        sources = stimulus_sources(conductor, pulses, speed)
-        times.append(arrival(conductor, sources, speed).times)
-    return Arrivals(*times)
+    speed, bare = front.speed, Conductor(surface.points, triangles, even)
+    sources = stimulus_sources(bare, pulses, speed)
+    undisturbed = arrival(bare, sources, speed).times
+    curved = curved_arrival(
+        bare, sources, speed, factor=front.curvature_factor, straight=undisturbed
+    ).times
+    patched = Conductor.of(surface, tissue)
+    sources = stimulus_sources(patched, pulses, speed)
+    return Arrivals(undisturbed, curved, arrival(patched, sources, speed).times)
 
 
 def patch_prediction(
@@ -104,11 +114,15 @@ def patch_prediction(
         undisturbed,
         lambda: undisturbed,
     )
-    met = incidence(wave, inside)
+    round_it = incidence(wave, inside)
+    met = round_it.only(round_it.enters)
+    direction = lat_direction(surface, undisturbed)
+    accelerations = acceleration_map(surface, tissue.tensor, direction, width)
+    along = _along(round_it, accelerations, front)
     if not len(met.angle):
         # no wave enters from outside: nothing is known
-        return PatchPrediction(name=name, entrance=0.0, along=Along((), (), (), (), ()))
-    terms = _acceleration(surface, tissue.tensor, undisturbed, met, width)
+        return PatchPrediction(name=name, entrance=0.0, along=along)
+    terms = _near(surface, accelerations, met, width)
     balance = _Balance.of(met, front)
     ratio, limit = balance.ratio, np.sqrt(front.critical_jump)
     return PatchPrediction(
@@ -126,7 +140,7 @@ def patch_prediction(
         by_acceleration=_expected(terms[3], ACCELERATION_LIMIT),
         by_source_sink=_expected(met.median(ratio), limit),
         by_curvature=_expected(met.median(balance.own), 1.0),
-        along=_along(met, ratio),
+        along=along,
     )
 
 
@@ -156,19 +170,17 @@ def _angles(met: Incidence) -> dict[str, float | None]:
     return {"angle": met.median(angles), "least_angle": least, "greatest_angle": greatest}
 
 
-def _acceleration(
-    surface: Surface, tensor: Floats, times: Floats, met: Incidence, width: float
+def _near(
+    surface: Surface, found: AccelerationMap, met: Incidence, width: float
 ) -> list[float | None]:
     """Return the terms within half a width of the entrance, as roots of mean squares."""
-    found = acceleration_map(surface, tensor, lat_direction(surface, times), width)
     middles = surface.points[surface.triangles].mean(axis=1)
     away = np.asarray(scipy.spatial.cKDTree(met.points).query(middles)[0])
     near: Mask = (away <= 0.5 * width) & np.isfinite(found.of_velocity)
     areas = surface.areas()[near]
     if not near.any():
         return [None] * 4
-    both = found.of_velocity + found.of_change
-    fields = (found.of_velocity, found.of_change, found.of_spread, both)
+    fields = (found.of_velocity, found.of_change, found.of_spread, found.together)
     return [float(np.sqrt(np.average(one[near] ** 2, weights=areas))) for one in fields]
 
 
@@ -186,14 +198,28 @@ def _finite(value: float | None) -> float | None:
     return None if value is None else min(value, 1e6)
 
 
-def _along(met: Incidence, ratio: Floats) -> Along:
-    def rounded(values: Floats, digits: int) -> tuple[float, ...]:
+def _along(round_it: Incidence, found: AccelerationMap, front: Front) -> Along:
+    """Return what the front meets all round a patch; source and sink where it enters."""
+    ratio = _Balance.of(round_it.only(round_it.enters), front).ratio
+    balance = np.full(len(round_it.angle), np.nan)
+    balance[round_it.enters] = np.minimum(ratio, 1e6)
+    # smooth over the width, so the mean of both sides stands for the edge
+    acceleration = found.together[round_it.triangles].mean(axis=1)
+
+    def rounded(values: Floats, digits: int) -> tuple[float | None, ...]:
+        return tuple(
+            None if np.isnan(value) else value for value in np.round(values, digits).tolist()
+        )
+
+    def numbers(values: Floats, digits: int) -> tuple[float, ...]:
         return tuple(np.round(values, digits).tolist())
 
     return Along(
-        points=tuple(tuple(place) for place in np.round(met.points, 3).tolist()),
-        arrival=rounded(met.times, 3),
-        angle=rounded(np.degrees(met.angle), 3),
-        curvature=rounded(met.curvature, 6),
-        source_sink=rounded(np.minimum(ratio, 1e6), 4),
+        points=tuple(tuple(place) for place in np.round(round_it.points, 3).tolist()),
+        enters=tuple(round_it.enters.tolist()),
+        arrival=numbers(round_it.times, 3),
+        angle=numbers(np.degrees(round_it.angle), 3),
+        curvature=numbers(round_it.curvature, 6),
+        acceleration=rounded(acceleration, 6),
+        source_sink=rounded(balance, 4),
     )

@@ -67,12 +67,19 @@ class Front:
 
 @dataclass(frozen=True)
 class Along:
-    """The entrance edge by edge; angle in degrees, arrival in tu, curvature in 1/su."""
+    """The edges all round a patch that the undisturbed front meets.
+
+    Arrival in tu; angle of incidence in degrees from the inward normal, above 90 where the front
+    comes out; curvature in 1/su; acceleration as in ``PatchPrediction``, with its sign; source and
+    sink where the front enters.
+    """
 
     points: tuple[tuple[float, ...], ...]
+    enters: tuple[bool, ...]
     arrival: tuple[float, ...]
     angle: tuple[float, ...]
     curvature: tuple[float, ...]
+    acceleration: tuple[float | None, ...]
     source_sink: tuple[float | None, ...]
 
 
@@ -109,7 +116,7 @@ class PatchPrediction:
     by_acceleration, by_source_sink, by_curvature : str or None
         What each explanation expects.
     along : Along
-        The entrance edge by edge.
+        Edge by edge, all round it.
     """
 
     name: str
@@ -145,7 +152,11 @@ class TargetArrival:
 
 @dataclass(frozen=True)
 class Prediction:
-    """All that is predicted of a config, as it stands in prediction.json."""
+    """All that is predicted of a config, as it stands in prediction.json.
+
+    Last arrivals are those without the patches, the same with fronts that curvature slows, and
+    through the tissue as it is.
+    """
 
     name: str
     config_sha256: str
@@ -153,6 +164,7 @@ class Prediction:
     width: float
     front: Front
     last_undisturbed: float
+    last_curved: float
     last_arrival: float
     targets: tuple[TargetArrival, ...]
     patches: tuple[PatchPrediction, ...]

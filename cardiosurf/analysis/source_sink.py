@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardiosurf.arrays import Floats
+from cardiosurf.arrays import Floats, Mask
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,10 @@ class Edge:
             return np.asarray(np.einsum("ki,kij,kj->k", left, tensor, right))
 
         return cls(part(across, across), part(along, along), part(across, along))
+
+    def only(self, chosen: Mask) -> "Edge":
+        """Return the same at some of the places (k,)."""
+        return Edge(self.normal[chosen], self.tangential[chosen], self.mixed[chosen])
 
     def flux_squared(self, trace: Floats) -> Floats:
         """Return d_nn - det(d) c0^2 s^2 for the slowness c0 s along the edge, in su^2/tu."""

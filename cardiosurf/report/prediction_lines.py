@@ -17,7 +17,10 @@ def prediction_lines(prediction: Prediction) -> list[str]:
     """
     front = prediction.front
     jump = f"passes jumps of d up to {front.critical_jump:.2f}"
-    without = f"{prediction.last_undisturbed:.0f} tu without patches"
+    without = (
+        f"{prediction.last_undisturbed:.0f} tu without patches "
+        f"({prediction.last_curved:.0f} with curvature)"
+    )
     lines = [
         f"{prediction.name}: predicted without a march, edges of {prediction.edge_length:g} su",
         f"  front         c0 {front.speed:.4f} su/tu, g {front.curvature_factor:.3f}, {jump}",

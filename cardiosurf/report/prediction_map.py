@@ -67,6 +67,7 @@ def write_maps(predicted: Predicted, path: Path) -> None:
     times, terms = predicted.arrivals, predicted.acceleration
     fields = {
         "arrival without patches [tu]": times.undisturbed,
+        "arrival without patches, with curvature [tu]": times.curved,
         "arrival [tu]": times.as_it_is,
     }
     cells: dict[str, Floats] = {"patch": predicted.tissue.patch_of.astype(np.float64)}

@@ -40,7 +40,7 @@ class Predicted:
     pulses : tuple of Pulse
         The stimuli.
     arrivals : Arrivals
-        Of the wave without the patches and with them.
+        Of the wave without the patches, without and with its curvature, and with them.
     acceleration : AccelerationMap or None
         The paper's relative acceleration in the directions of the undisturbed wave; None where no
         patch can be excited.
@@ -77,7 +77,7 @@ def predict(loaded: Loaded, width: float) -> Predicted:
     pulses = build_pulses(surface, config.stimulus)
     check_targets(config, surface, tissue)
     front = Front.of(config.kinetics)
-    found = arrivals(surface, tissue, pulses, config.tissue.diffusivity, front.speed)
+    found = arrivals(surface, tissue, pulses, config.tissue.diffusivity, front)
     patches = tuple(
         patch_prediction(surface, tissue, found.undisturbed, name, front, width=width)
         for number, name in enumerate(tissue.names)
@@ -90,6 +90,7 @@ def predict(loaded: Loaded, width: float) -> Predicted:
         width=width,
         front=front,
         last_undisturbed=float(np.nanmax(found.undisturbed)),
+        last_curved=float(np.nanmax(found.curved)),
         last_arrival=float(np.nanmax(found.as_it_is)),
         targets=_targets(config, surface, found.as_it_is),
         patches=patches,

@@ -60,6 +60,32 @@ def test_a_plane_wave_meets_a_plane_block_head_on(plane):
     assert (patch.by_source_sink, patch.blocked_share) == ("block", pytest.approx(1.0))
 
 
+def test_all_round_a_plane_block_angles_are_those_of_its_sides(plane):
+    along = plane.prediction.patches[0].along
+    x, y, _ = np.array(along.points).T
+    enters, angle = np.array(along.enters), np.array(along.angle)
+    # the wave goes from x = 100 to -100; the block's corners are at +-50
+    front, back = np.isclose(x, 50.0), np.isclose(x, -50.0)
+    sides = np.isclose(np.abs(y), 50.0)
+    assert (front | back | sides).all()
+    assert np.array_equal(enters, front)
+    for part, expected in ((front, 0.0), (sides, 90.0), (back, 180.0)):
+        assert angle[part] == pytest.approx(expected, abs=1e-6)
+    balance = np.array([np.nan if one is None else one for one in along.source_sink])
+    assert np.array_equal(np.isfinite(balance), front)
+    # on the face nothing changes along the front but at its ends, a width off
+    middle = front & (np.abs(y) < 50.0 - 1.5 * WIDTH)
+    off = np.abs(np.array(along.acceleration))
+    assert off[middle].max() < 0.02 * off[sides & (np.abs(x) < 30.0)].mean()
+
+
+def test_curvature_leaves_a_straight_front_as_it_is(plane):
+    times = plane.arrivals
+    # at the far wall a front meets its mirror image
+    seen = plane.surface.points[:, 0] > -80.0
+    assert times.curved[seen] == pytest.approx(times.undisturbed[seen], abs=1.0)
+
+
 @pytest.mark.slow
 def test_the_papers_limit_is_half_way_between_the_planes_answers(plane):
     patches = [plane.prediction.patches[0], predicted("plane_block.yaml").prediction.patches[0]]
@@ -71,6 +97,16 @@ def test_the_papers_limit_is_half_way_between_the_planes_answers(plane):
 
 def test_a_circle_on_a_sphere_has_its_geodesic_curvature():
     made = predicted("sphere_block.yaml", "mesh.edge_length=2")
+    # ds/dt = c0 - g cot(s/R)/R: as much later at 45 degrees, 120 tu after it was at 20
+    radius, front, times = 50.0, made.prediction.front, made.arrivals
+    s = radius * np.arccos(np.clip(made.surface.points[:, 2] / radius, -1.0, 1.0))
+    near, far = (np.abs(s - at) < 1.5 for at in (20.0, 45.0))
+    grid = np.linspace(20.0, 45.0, 501)
+    slowed = 1.0 / (front.speed - front.curvature_factor / (radius * np.tan(grid / radius)))
+    later = np.trapezoid(slowed, grid) - 25.0 / front.speed
+    found = [np.mean((times.curved - times.undisturbed)[ring]) for ring in (near, far)]
+    # rings are 3 su wide, in which the lag of 1 tu/su changes by less than 1 tu
+    assert found[1] - found[0] == pytest.approx(later, abs=1.0)
     (patch,) = made.prediction.patches
     # circles about the pole: cot(theta)/R, at 45 degrees; the front is met squarely
     assert patch.curvature == pytest.approx(1.0 / 50.0, rel=0.03)
