@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import click
 
 from cardiosurf.cli.inspect import OVERRIDE_HELP
 from cardiosurf.errors import InputError
+from cardiosurf.spelling import did_you_mean
 
 if TYPE_CHECKING:
     from cardiosurf.study.discrete_game import Game
@@ -69,14 +72,17 @@ def discrete(
       cardiosurf discrete configs/plane_block.yaml --n-max 2.7 --json
       cardiosurf discrete sg-i
     """
-    for option, value in (("--n-max", n_max), ("--refractory", refractory)):
-        if not 1e-6 <= value <= 1e6:
-            raise InputError(option, f"{value:g} is not a positive number", "0.000001 to 1000000")
+    if not 1e-6 <= n_max <= 1e6:
+        raise InputError("--n-max", f"{n_max:g} is not a positive number", "0.000001 to 1000000")
+    # units that are ready again before they have excited others go on without time going on
+    if not 1.0 <= refractory <= 1e6:
+        raise InputError("--refractory", f"{refractory:g} is out of range", "1 to 1000000")
     if config in SCENARIOS:
         _play_stop(config, overrides, (n_max, refractory, failed), as_json=as_json)
         return
     from cardiosurf.config import load
 
+    _check_name(config)
     loaded = load(config, overrides)
     from cardiosurf.discrete.play import Rule
     from cardiosurf.study.discrete_game import play_config
@@ -85,6 +91,18 @@ def discrete(
     with loaded.naming_lines():
         game = play_config(loaded.config, rule, loads=anisotropy == "load")
     click.echo(json.dumps(game.to_json(), indent=2) if as_json else "\n".join(_lines(game)))
+
+
+def _check_name(config: str) -> None:
+    """Refuse what is neither a file nor a scenario, but might have been meant as one."""
+    if Path(config).suffix or os.path.lexists(config):
+        return
+    raise InputError(
+        config,
+        "no such file, and no scenario",
+        f"a CONFIG, or one of {', '.join(SCENARIOS)}",
+        did_you_mean(config, SCENARIOS),
+    )
 
 
 def _play_stop(

@@ -54,7 +54,9 @@ def test_the_appendixs_scenarios(words, outcome, capsys):
     ("words", "said"),
     [
         (["--n-max", "0"], "--n-max: 0 is not a positive number"),
-        (["--refractory", "nan"], "--refractory: nan is not a positive number"),
+        (["--refractory", "nan"], "--refractory: nan is out of range"),
+        # ready again before it has excited another: excited for ever, at ever the same time
+        (["--refractory", "0.000001"], "allowed: 1 to 1000000"),
         (["--set", "stimulus.0.at=5"], "no unit is excited at time 0"),
     ],
 )
@@ -66,3 +68,10 @@ def test_what_is_refused(strip, capsys, words, said):
 def test_a_scenario_takes_no_settings(capsys):
     assert main(["discrete", "sg-i", "--set", "a=1"]) == 2
     assert "sg-i is no config" in capsys.readouterr().err
+
+
+def test_a_misspelt_scenario_is_told_from_a_missing_file(capsys):
+    assert main(["discrete", "sg-ii"]) == 2
+    said = capsys.readouterr().err
+    assert "allowed: a CONFIG, or one of free, sg-i, sc-ii, figure-f" in said
+    assert "did you mean 'sg-i'?" in said
