@@ -76,8 +76,8 @@ class AccelerationSummary:
         Hash of its resolved config.
     edge : float
         Mean edge of the mesh, in su.
-    window : float
-        Half the time that the pairs' derivatives are fitted to, in tu.
+    window : float or None
+        Half the time that the pairs' derivatives are fitted to, in tu; None where nothing ran.
     reach : float
         How far from a vertex pairs count for it, in su.
     areas : tuple of Measured
@@ -87,7 +87,7 @@ class AccelerationSummary:
     name: str
     config_sha256: str
     edge: float
-    window: float
+    window: float | None
     reach: float
     areas: tuple[Measured, ...]
     schema: Literal["cardiosurf/acceleration/1"] = SCHEMA
@@ -132,7 +132,7 @@ def summarise(recording: Recording, found: MeasuredAcceleration) -> Acceleration
         name=recording.name,
         config_sha256=recording.config_sha256,
         edge=found.edge,
-        window=found.window,
+        window=found.window if np.isfinite(found.window) else None,
         reach=REACH * found.edge,
         areas=tuple(areas),
     )

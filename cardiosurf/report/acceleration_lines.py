@@ -12,10 +12,11 @@ def acceleration_lines(summary: AccelerationSummary) -> list[str]:
         What was measured.
     """
     width = max(len(area.name) for area in summary.areas)
-    how = f"derivatives over +-{summary.window:.0f} tu, vertices from pairs within"
+    window = "" if summary.window is None else f"derivatives over +-{summary.window:.0f} tu, "
+    reach = f"{summary.reach:.1f} su"
     return [
         f"{summary.name}: relative acceleration |n|''/|n| of neighbouring trajectories",
-        f"  {how} {summary.reach:.1f} su; medians, in brackets 5 to 95 %",
+        f"  {window}vertices from pairs within {reach}; medians, in brackets 5 to 95 %",
         *(f"  {area.name:{width}}  {_area(area)}" for area in summary.areas),
     ]
 

@@ -41,8 +41,9 @@ def acceleration_map(recording: Recording, found: MeasuredAcceleration) -> Figur
     """
     (view,) = flat_views(recording.surface)
     signed = _signed_norm(found)
+    window = f"derivatives over +-{found.window:.0f} tu; " if np.isfinite(found.window) else ""
     caption = (
-        f"derivatives over +-{found.window:.0f} tu; grey: not measured, or with an error beyond the"
+        f"{window}grey: not measured, or with an error beyond the"
         " colours; lines: LAT [tu] and patches"
     )
     figure = new_figure(
