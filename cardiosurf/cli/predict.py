@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 OVERRIDE_HELP = "Change one key: a.b.c=value; list items by number or by their name."
+FILES = ("prediction.json", "prediction.vtu", "prediction.png")
 
 
 @click.command()
@@ -49,6 +50,9 @@ def predict(
 
     loaded = load(config, overrides)
     folder = output or Path("runs") / loaded.config.name / "prediction"
+    from cardiosurf.recording.whole_file import check_folder, whole_files
+
+    check_folder(folder, FILES)
     from cardiosurf.analysis.prediction import WIDTH
     from cardiosurf.report.prediction_lines import prediction_lines
     from cardiosurf.study.prediction import predict as make
@@ -61,9 +65,10 @@ def predict(
     from cardiosurf.report.prediction_map import prediction_map, write_maps
 
     figure = prediction_map(predicted)
-    write_prediction(predicted.prediction, folder)
-    write_maps(predicted, folder / "prediction.vtu")
-    save(figure, folder / "prediction", ("png",))
+    with whole_files(folder, FILES) as staged:
+        write_prediction(predicted.prediction, staged)
+        write_maps(predicted, staged / "prediction.vtu")
+        save(figure, staged / "prediction", ("png",))
     if as_json:
         click.echo(json.dumps(predicted.prediction.to_json(), indent=2))
     else:

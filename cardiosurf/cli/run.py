@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from cardiosurf.recording.recording import Recording
 
 OVERRIDE_HELP = "Change one key: a.b.c=value; list items by number or by their name."
+MAPS = ("relative_acceleration.vtu", "relative_acceleration.png")
 
 
 def _show(verdict: Verdict, extra: list[str], *, as_json: bool) -> None:
@@ -170,12 +171,14 @@ def _show_acceleration(read: Recording, folder: Path, *, as_json: bool) -> None:
     """Measure the relative acceleration, write its map, print its numbers."""
     from cardiosurf.analysis.acceleration_summary import summarise
     from cardiosurf.analysis.measured_acceleration import recorded_accelerations
+    from cardiosurf.recording.whole_file import check_folder, whole_files
     from cardiosurf.report.acceleration_lines import acceleration_lines
+
+    check_folder(folder, MAPS)
 
     found = recorded_accelerations(read)
     summary = summarise(read, found)
     # matplotlib takes long to import, and nothing before it needs it
-    from cardiosurf.recording.whole_file import made_folder
     from cardiosurf.report.acceleration_map import (
         DOTS_PER_INCH,
         acceleration_map,
@@ -184,14 +187,16 @@ def _show_acceleration(read: Recording, folder: Path, *, as_json: bool) -> None:
     from cardiosurf.report.canvas import save
 
     figure = acceleration_map(read, found)
-    stem = made_folder(folder) / "relative_acceleration"
-    write_acceleration(read, found, stem.with_suffix(".vtu"))
-    save(figure, stem, ("png",), dots_per_inch=DOTS_PER_INCH)
+    with whole_files(folder, MAPS) as staged:
+        write_acceleration(read, found, staged / MAPS[0])
+        save(figure, staged / "relative_acceleration", ("png",), dots_per_inch=DOTS_PER_INCH)
     if as_json:
         click.echo(json.dumps(summary.to_json(), indent=2))
     else:
         lines = acceleration_lines(summary)
-        click.echo("\n".join([*lines, f"  written to {stem}.vtu and .png"]))
+        click.echo(
+            "\n".join([*lines, f"  written to {folder / 'relative_acceleration'}.vtu and .png"])
+        )
 
 
 def _show_reentry(read: Recording, *, as_json: bool) -> None:

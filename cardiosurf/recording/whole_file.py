@@ -2,9 +2,10 @@
 
 import errno
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from cardiosurf.errors import InputError
 
@@ -77,6 +78,76 @@ def unwritable(path: Path, error: OSError) -> InputError:
         allowed=allowed,
         hint=hint,
     )
+
+
+@contextmanager
+def whole_files(folder: Path, names: Sequence[str]) -> Iterator[Path]:
+    """Give a folder to write several files to, and put them into ``folder`` once all are there.
+
+    Whatever goes wrong inside the ``with`` block, or is in the way of one of them, ``folder`` is
+    left as it was; it is made if it is not there.
+
+    Parameters
+    ----------
+    folder : Path
+        Where they belong.
+    names : sequence of str
+        Their names.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written to, or the disk is full.
+    """
+    check_folder(folder, names)
+    new = not folder.exists()
+    try:
+        with TemporaryDirectory(dir=made_folder(folder), prefix=".partial-") as staged:
+            yield Path(staged)
+            for name in names:
+                with (Path(staged) / name).open("rb") as written:
+                    os.fsync(written.fileno())
+            for name in names:
+                (Path(staged) / name).replace(folder / name)
+    except BaseException as error:
+        if new:
+            with suppress(OSError):  # what another process wrote there stays
+                folder.rmdir()
+        if isinstance(error, OSError):
+            raise unwritable(folder, error) from error
+        raise
+
+
+def check_folder(folder: Path, names: Sequence[str] = ()) -> None:
+    """Refuse a folder that files could not be written to, before any work is done.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder; it need not be there.
+    names : sequence of str
+        The files.
+
+    Raises
+    ------
+    InputError
+        It is a file, or lies below one, or may not be written to; or one of the names is that of a
+        folder in it.
+    """
+    there = folder
+    try:
+        while not there.exists() and there != there.parent:
+            there = there.parent
+        if not there.is_dir():
+            raise unwritable(folder, NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR)))
+        if not os.access(there, os.W_OK):
+            raise unwritable(folder, PermissionError(errno.EACCES, os.strerror(errno.EACCES)))
+        for name in names:
+            if (folder / name).is_dir():
+                reason = IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+                raise unwritable(folder / name, reason)
+    except OSError as error:
+        raise unwritable(folder, error) from error
 
 
 def made_folder(folder: Path) -> Path:

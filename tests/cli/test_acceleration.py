@@ -61,6 +61,9 @@ def test_a_run_in_which_nothing_moved_is_no_error(cardiosurf, strip, tmp_path):
     done = cardiosurf("analyze", tmp_path / "run", "--acceleration")
     assert (done.returncode, done.stderr) == (0, "")
     assert "nothing measured" in done.stdout
+    assert "nan" not in done.stdout
+    told = cardiosurf("analyze", tmp_path / "run", "--acceleration", "--json")
+    assert json.loads(told.stdout, parse_constant=pytest.fail)["window"] is None
 
 
 @pytest.mark.parametrize(
@@ -74,6 +77,14 @@ def test_options_that_contradict_each_other(cardiosurf, whole, words, said):
     done = cardiosurf("analyze", whole, *words)
     assert done.returncode == 2
     assert said in done.stderr
+
+
+def test_a_folder_in_the_way_of_one_file_keeps_all_from_being_written(cardiosurf, whole, tmp_path):
+    (tmp_path / "out/relative_acceleration.png").mkdir(parents=True)
+    done = cardiosurf("analyze", whole, "--acceleration", "-o", tmp_path / "out")
+    assert done.returncode == 2
+    assert "relative_acceleration.png: cannot be written" in done.stderr
+    assert [one.name for one in (tmp_path / "out").iterdir()] == ["relative_acceleration.png"]
 
 
 def test_a_file_in_the_way_is_named(cardiosurf, whole, tmp_path):
