@@ -159,16 +159,9 @@ def acceleration_map(
     Raises
     ------
     InputError
-        If the width is less than two edge lengths.
+        If the width is less than two edge lengths or wider than the surface.
     """
-    edge = float(np.sqrt(surface.areas().mean() * 4.0 / np.sqrt(3.0)))
-    if not width >= FEWEST_EDGES * edge:
-        raise InputError(
-            "width",
-            f"{width} su with edges of {edge:.3g} su",
-            f"at least {FEWEST_EDGES:g} edge lengths",
-            "a greater width, or a finer mesh",
-        )
+    _check_width(surface, width)
     points, triangles = surface.points, surface.triangles
     smoothing = Smoothing(points, triangles, width)
     normals = smoothing.mean(np.cross(surface.frame[:, 0], surface.frame[:, 1]))
@@ -214,6 +207,26 @@ def recorded_acceleration(recording: Recording, width: float) -> AccelerationMap
     """
     direction = lat_direction(recording.surface, recording.first_activation)
     return acceleration_map(recording.surface, recording.tissue.tensor, direction, width)
+
+
+def _check_width(surface: Surface, width: float) -> None:
+    """Refuse a width that the mesh cannot show, or that leaves nothing to be seen."""
+    edge = float(np.sqrt(surface.areas().mean() * 4.0 / np.sqrt(3.0)))
+    if not width >= FEWEST_EDGES * edge:
+        raise InputError(
+            "width",
+            f"{width:g} su with edges of {edge:.3g} su",
+            f"at least {FEWEST_EDGES:g} edge lengths",
+            "a greater width, or a finer mesh",
+        )
+    across = float(np.ptp(surface.points, axis=0).max())
+    if width > across:
+        raise InputError(
+            "width",
+            f"{width:g} su on a surface {across:.3g} su across: every patch is smoothed away",
+            "at most the surface's own width",
+            "the width of a front, 12 su",
+        )
 
 
 def _angles(surface: Surface, direction: Floats) -> Floats:

@@ -15,11 +15,11 @@ from cardiosurf.analysis.eikonal import arrival
 from cardiosurf.analysis.eikonal_curvature import curved_arrival
 from cardiosurf.analysis.incidence import Incidence, incidence
 from cardiosurf.analysis.prediction import (
-    ACCELERATION_LIMIT,
     Along,
     Expected,
     Front,
     PatchPrediction,
+    acceleration_limit,
 )
 from cardiosurf.analysis.route import Map
 from cardiosurf.analysis.source_sink import curvature_number, flux_ratio, with_curvature
@@ -137,7 +137,7 @@ def patch_prediction(
         source_sink=_finite(met.median(ratio)),
         curvature_number=met.median(balance.own),
         blocked_share=float(met.lengths @ (ratio > limit) / met.lengths.sum()),
-        by_acceleration=_expected(terms[3], ACCELERATION_LIMIT),
+        by_acceleration=_expected(terms[3], acceleration_limit(width)),
         by_source_sink=_expected(met.median(ratio), limit),
         by_curvature=_expected(met.median(balance.own), 1.0),
         along=along,
@@ -189,8 +189,10 @@ def _greatest(tensor: Floats, inside: Mask) -> float:
     return float(np.linalg.eigvalsh(tensor[inside])[:, -1].mean())
 
 
-def _expected(value: float | None, limit: float) -> Expected | None:
-    return None if value is None else "block" if value > limit else "conduction"
+def _expected(value: float | None, limit: float | None) -> Expected | None:
+    if value is None or limit is None:
+        return None
+    return "block" if value > limit else "conduction"
 
 
 def _finite(value: float | None) -> float | None:

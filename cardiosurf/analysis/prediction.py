@@ -9,6 +9,7 @@ Three explanations are held side by side, each a number for a patch and a limit 
 - curvature: g sqrt(d) K/c0 with the patch's d, median over the entrance; a front stands still at 1.
 """
 
+import math
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
@@ -25,7 +26,25 @@ ACCELERATION_LIMIT = 0.0479
 """Fitted on the plane alone (problem 1, published: 8 conducts, 10 does not): half way between the
 values at 8 and at 10, 0.0456 and 0.0502 at edges of 1.5 and this width."""
 
+COARSE = 2.0
+"""Edges above this, in su, put the relative acceleration too low by more than 4 % (9 % at 3, 13 %
+at 5: problem 1), where its values at anisotropy 8 and 10 lie 10 % apart."""
+
 Expected = Literal["block", "conduction"]
+
+
+def acceleration_limit(width: float) -> float | None:
+    """Return the relative acceleration beyond which the paper expects block, in 1/su.
+
+    The terms go with 1/width and 1/width^2, so the limit that was fitted is one for its own width
+    and for no other.
+
+    Parameters
+    ----------
+    width : float
+        Over what patch edges are smoothed, in su.
+    """
+    return ACCELERATION_LIMIT if math.isclose(width, WIDTH) else None
 
 
 @dataclass(frozen=True)
@@ -114,7 +133,7 @@ class PatchPrediction:
     blocked_share : float or None
         Share of the entrance whose source-sink ratio is above the critical one.
     by_acceleration, by_source_sink, by_curvature : str or None
-        What each explanation expects.
+        What each explanation expects; the first at the width that its limit was fitted at only.
     along : Along
         Edge by edge, all round it.
     """
@@ -155,7 +174,8 @@ class Prediction:
     """All that is predicted of a config, as it stands in prediction.json.
 
     Last arrivals are those without the patches, the same with fronts that curvature slows, and
-    through the tissue as it is.
+    through the tissue as it is. The limit of the relative acceleration is None at other widths than
+    that it was fitted at.
     """
 
     name: str
@@ -168,7 +188,7 @@ class Prediction:
     last_arrival: float
     targets: tuple[TargetArrival, ...]
     patches: tuple[PatchPrediction, ...]
-    acceleration_limit: float = ACCELERATION_LIMIT
+    acceleration_limit: float | None
     schema: Literal["cardiosurf/prediction/1"] = SCHEMA
 
     def to_json(self) -> dict[str, Any]:

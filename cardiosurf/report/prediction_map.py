@@ -85,8 +85,8 @@ def write_maps(predicted: Predicted, path: Path) -> None:
 def _caption(predicted: Predicted) -> str:
     """Return what the three explanations expect of each patch."""
     return "; ".join(
-        f"{one.name}: acceleration {one.by_acceleration}, source-sink {one.by_source_sink}, "
-        f"curvature {one.by_curvature}"
+        f"{one.name}: acceleration {one.by_acceleration or 'not known'}, "
+        f"source-sink {one.by_source_sink}, curvature {one.by_curvature}"
         for one in predicted.prediction.patches
         if one.first_arrival is not None
     )

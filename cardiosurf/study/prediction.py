@@ -12,7 +12,12 @@ from cardiosurf.analysis.acceleration_map import (
     lat_direction,
 )
 from cardiosurf.analysis.patch_prediction import Arrivals, arrivals, patch_prediction
-from cardiosurf.analysis.prediction import Front, Prediction, TargetArrival
+from cardiosurf.analysis.prediction import (
+    Front,
+    Prediction,
+    TargetArrival,
+    acceleration_limit,
+)
 from cardiosurf.arrays import Floats, Mask
 from cardiosurf.config import Config, Loaded
 from cardiosurf.config.sections import regions_of, target_key
@@ -68,7 +73,7 @@ def predict(loaded: Loaded, width: float) -> Predicted:
     ------
     InputError
         The config does not fit its surface, its kinetics carries no wave, no stimulus starts a
-        front, or the width is less than two edge lengths.
+        front, or the width is less than two edge lengths or wider than the surface.
     """
     config = loaded.config
     edge = edge_of(config).edge_length
@@ -88,6 +93,7 @@ def predict(loaded: Loaded, width: float) -> Predicted:
         config_sha256=loaded.sha256,
         edge_length=edge,
         width=width,
+        acceleration_limit=acceleration_limit(width),
         front=front,
         last_undisturbed=float(np.nanmax(found.undisturbed)),
         last_curved=float(np.nanmax(found.curved)),

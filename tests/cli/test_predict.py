@@ -47,6 +47,8 @@ def test_json_is_what_is_written(cardiosurf, strip, tmp_path):
         (("--set", "tissue.patches.none.anisotropy=2"), "tissue.patches"),
         (("--set", PATCH, "--width", "1"), "at least 2 edge lengths"),
         (("--width", "0"), "--width"),
+        (("--set", PATCH, "--width", "inf"), "at most the surface's own width"),
+        (("--set", PATCH, "--width", "1e300"), "at most the surface's own width"),
         (("--set", "stimulus=[{shape: edge, edge: left, amplitude: 0.3}]"), "no front starts"),
     ],
 )
@@ -56,6 +58,17 @@ def test_what_is_wrong_is_said(cardiosurf, strip, tmp_path, words, said):
     assert said in done.stderr
     assert "Traceback" not in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("name", ["prediction.json", "prediction.vtu", "prediction.png"])
+def test_a_folder_in_the_way_of_one_file_keeps_all_from_being_written(
+    cardiosurf, strip, tmp_path, name
+):
+    (tmp_path / "out" / name).mkdir(parents=True)
+    done = cardiosurf("predict", strip, "-o", tmp_path / "out")
+    assert done.returncode == 2
+    assert f"{name}: cannot be written" in done.stderr
+    assert [one.name for one in (tmp_path / "out").iterdir()] == [name]
 
 
 def test_a_file_in_the_way_is_named(cardiosurf, strip, tmp_path):

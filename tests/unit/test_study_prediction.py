@@ -95,6 +95,17 @@ def test_the_papers_limit_is_half_way_between_the_planes_answers(plane):
     assert [one.by_acceleration for one in patches] == ["conduction", "block"]
 
 
+def test_the_papers_limit_is_one_for_its_own_width():
+    # the terms go with 1/width: at twice the width problem 1 at 10 has 0.032 where 0.050 is block
+    made = predicted("plane_block.yaml", "mesh.edge_length=5", width=24.0)
+    (patch,) = made.prediction.patches
+    assert patch.acceleration == pytest.approx(0.032, rel=0.1)
+    assert (patch.by_acceleration, made.prediction.acceleration_limit) == (None, None)
+    lines = "\n".join(prediction_lines(made.prediction))
+    assert "critical not known, over 24 su" in lines
+    assert "note: edges above 2 su put the relative acceleration too low" in lines
+
+
 def test_a_circle_on_a_sphere_has_its_geodesic_curvature():
     made = predicted("sphere_block.yaml", "mesh.edge_length=2")
     # ds/dt = c0 - g cot(s/R)/R: as much later at 45 degrees, 120 tu after it was at 20
