@@ -27,8 +27,8 @@ ACCELERATION_LIMIT = 0.0479
 values at 8 and at 10, 0.0456 and 0.0502 at edges of 1.5 and this width."""
 
 COARSE = 2.0
-"""Edges above this, in su, put the relative acceleration too low by more than 4 % (9 % at 3, 13 %
-at 5: problem 1), where its values at anisotropy 8 and 10 lie 10 % apart."""
+"""Edges above this, in su, put the relative acceleration too low by more than 4 % (9, 21, 13 %
+at 3, 4, 5: problem 1), where its values at anisotropy 8 and 10 lie 10 % apart."""
 
 Expected = Literal["block", "conduction"]
 

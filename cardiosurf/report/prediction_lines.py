@@ -34,7 +34,7 @@ def prediction_lines(prediction: Prediction) -> list[str]:
     if prediction.patches and prediction.edge_length > COARSE:
         lines.append(
             f"  note: edges above {COARSE:g} su put the relative acceleration too low"
-            " (by 9 % at 3), and its limit was found at 1.5"
+            " (by 9 to 21 % at 3 to 5), and its limit was found at 1.5"
         )
     return lines
 
