@@ -20,6 +20,8 @@ from cardiosurf.tissue.stimuli import build_pulses
 from cardiosurf.tissue.tensor import build_tissue
 
 SCHEMA: Literal["cardiosurf/discrete/1"] = "cardiosurf/discrete/1"
+LEVEL = 0.5
+"""u that a stimulus has to set somewhere to start a wave."""
 MOST = 2000.0
 """Excitation times after which a game is ended, if it has not ended by itself."""
 
@@ -174,6 +176,9 @@ def _start(config: Config, surface: Surface, refuse: Mask) -> Ints:
     beats = [pulse for pulse in build_pulses(surface, config.stimulus) if pulse.time == 0.0]
     excited = np.zeros(len(surface.triangles), dtype=np.bool_)
     for beat in beats:
+        # as for the eikonal and a run, u below 0.5 starts no front; a current may
+        if beat.duration == 0.0 and beat.profile.max() < LEVEL:
+            continue
         level = beat.profile[surface.triangles].mean(axis=1)
         excited |= level > 0.5 * beat.profile.max()
     excited &= ~refuse
@@ -181,7 +186,7 @@ def _start(config: Config, surface: Surface, refuse: Mask) -> Ints:
         raise InputError(
             "stimulus",
             "no unit is excited at time 0",
-            "a stimulus with at: 0 on excitable tissue",
+            "a stimulus with at: 0 and an amplitude above 0.5, or a current, on excitable tissue",
             "the game begins at 0 and is played once: later beats are not looked at",
         )
     return np.flatnonzero(excited)

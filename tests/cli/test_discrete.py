@@ -58,6 +58,8 @@ def test_the_appendixs_scenarios(words, outcome, capsys):
         # ready again before it has excited another: excited for ever, at ever the same time
         (["--refractory", "0.000001"], "allowed: 1 to 1000000"),
         (["--set", "stimulus.0.at=5"], "no unit is excited at time 0"),
+        # a run says NO CAPTURE, predict that no front starts
+        (["--set", "stimulus.0.amplitude=0.3"], "no unit is excited at time 0"),
     ],
 )
 def test_what_is_refused(strip, capsys, words, said):
