@@ -27,12 +27,16 @@ def test_files_that_belong_together_appear_together(tmp_path):
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])
 def test_what_is_cut_short_leaves_all_as_it_was(tmp_path, error):
-    (tmp_path / "old").mkdir()
-    (tmp_path / "old/a").write_text("before")
-    for folder in ("old", "new"):
-        with pytest.raises(error), whole_files(tmp_path / folder, ("a", "b")) as staged:
+    def cut_short(folder):
+        with whole_files(folder, ("a", "b")) as staged:
             (staged / "a").write_text("after")
             raise error
+
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old/a").write_text("before")
+    for name in ("old", "new"):
+        with pytest.raises(error):
+            cut_short(tmp_path / name)
     assert [one.name for one in tmp_path.iterdir()] == ["old"]
     assert [one.name for one in (tmp_path / "old").iterdir()] == ["a"]
     assert (tmp_path / "old/a").read_text() == "before"
