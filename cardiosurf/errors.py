@@ -4,6 +4,9 @@ Every error says where it is, what was given, what is allowed and what to try.
 A blocked wave is a finding and never an error.
 """
 
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 
@@ -64,3 +67,34 @@ class NumericalError(CardiosurfError):
     def __str__(self) -> str:
         """Return the problem and, below it, the advice."""
         return self.problem + (f"\n  try: {self.hint}" if self.hint else "")
+
+
+@contextmanager
+def told_on_stderr() -> Iterator[None]:
+    """End a module that is run by itself, as make does, as a command ends: words and exit code."""
+    try:
+        yield
+    except CardiosurfError as error:
+        sys.stderr.write(f"error: {error}\n")
+        raise SystemExit(error.exit_code) from None
+
+
+def given_words(count: int, names: str) -> tuple[str, ...]:
+    """Return the words after a module's name.
+
+    Parameters
+    ----------
+    count : int
+        How many it takes.
+    names : str
+        What they are, for the message.
+
+    Raises
+    ------
+    InputError
+        There are more or fewer.
+    """
+    words = tuple(sys.argv[1:])
+    if len(words) != count:
+        raise InputError("arguments", f"{len(words)} given", names)
+    return words

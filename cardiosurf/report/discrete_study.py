@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cardiosurf.errors import InputError
+from cardiosurf.errors import InputError, given_words, told_on_stderr
 from cardiosurf.recording.whole_file import whole_file
 from cardiosurf.report.critical_section import MISSING, change_words
 from cardiosurf.report.markdown import table
@@ -145,4 +145,5 @@ def main(root: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    with told_on_stderr():
+        main(Path(*given_words(1, "the project's FOLDER")))

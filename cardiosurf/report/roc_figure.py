@@ -3,7 +3,6 @@
 Run as ``python -m cardiosurf.report.roc_figure docs/results/prediction.csv docs/images``.
 """
 
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from matplotlib.figure import Figure
 
 from cardiosurf.analysis.roc import Roc, permuted, roc
 from cardiosurf.arrays import Floats, Ints, Mask
+from cardiosurf.errors import given_words, told_on_stderr
 from cardiosurf.report.canvas import INK, new_figure, save
 from cardiosurf.report.table import table_lines
 from cardiosurf.study.predictors import COARSER, PREDICTORS, read_table
@@ -131,6 +131,8 @@ def _area(curve: Roc) -> str:
 
 
 if __name__ == "__main__":
-    simulated = Cases.of(read_table(Path(sys.argv[1])))
-    print("\n".join(roc_lines(simulated)))  # noqa: T201 - what the module is run for
-    save(roc_figure(simulated), Path(sys.argv[2]) / "roc", ("png",), dots_per_inch=110)
+    with told_on_stderr():
+        kept, folder = map(Path, given_words(2, "TABLE FOLDER"))
+        simulated = Cases.of(read_table(kept))
+        print("\n".join(roc_lines(simulated)))  # noqa: T201 - what the module is run for
+        save(roc_figure(simulated), folder / "roc", ("png",), dots_per_inch=110)

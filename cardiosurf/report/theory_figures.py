@@ -4,7 +4,6 @@ relpv1 and relpv2 (section 5.4, Case II), planeani2A and sphereani2A (Appendix C
 drawn elsewhere: the discrete model of Appendix B, geodesics of the vein.
 """
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -20,6 +19,7 @@ from cardiosurf.analysis.relative_acceleration import (
 )
 from cardiosurf.analysis.smoothed_patches import SmoothedPatch, smoothed_factors
 from cardiosurf.arrays import Floats
+from cardiosurf.errors import given_words, told_on_stderr
 from cardiosurf.geometry.jets import Jet, constant, log
 from cardiosurf.geometry.nets import FlatNet, Net, nets_of, vein_net
 from cardiosurf.geometry.sphere import Sphere
@@ -224,4 +224,5 @@ def _quarters(axes: Axes) -> None:
 
 
 if __name__ == "__main__":
-    draw_theory(Path(sys.argv[1] if len(sys.argv) > 1 else "docs/images"))
+    with told_on_stderr():
+        draw_theory(Path(*given_words(1, "FOLDER")))

@@ -9,13 +9,12 @@ kept (docs/results/prediction.csv), so that its figures need no run.
 import csv
 import io
 import math
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from cardiosurf.analysis.prediction import WIDTH, PatchPrediction
 from cardiosurf.config.scenario_file import ScenarioFile, read_scenario
-from cardiosurf.errors import InputError
+from cardiosurf.errors import InputError, given_words, told_on_stderr
 from cardiosurf.recording.whole_file import whole_file
 from cardiosurf.study.prediction import predict
 
@@ -98,11 +97,16 @@ def read_table(path: Path) -> list[dict[str, str]]:
         There is no such file.
     """
     try:
-        return list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
-    except OSError as error:
+        rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
+    except (OSError, UnicodeDecodeError) as error:
         raise InputError(
-            str(path), f"cannot be read: {error.strerror}", "a CSV file of a sweep"
+            str(path),
+            f"cannot be read: {getattr(error, 'strerror', 'not text')}",
+            "a CSV file of a sweep",
         ) from error
+    if not rows or "captured" not in rows[0]:
+        raise InputError(str(path), "has no column 'captured'", "a CSV file of a sweep")
+    return rows
 
 
 def _numbers(met: PatchPrediction) -> dict[str, float | None]:
@@ -133,4 +137,5 @@ def main(arguments: Sequence[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    with told_on_stderr():
+        main(given_words(5, "SCENARIO RESULTS COARSER_RESULTS TABLE PATCH"))
