@@ -71,7 +71,7 @@ figures: $(STAMP)  ## draw the figures of the theory again (docs/images)
 	$(BIN)/cardiosurf run configs/plane_block.yaml --set tissue.patches.block.anisotropy.x=4 \
 		-o runs/figures/plane-4 --overwrite
 	$(BIN)/cardiosurf analyze runs/figures/plane-4 --acceleration -o docs/images
-	rm docs/images/relative_acceleration.vtu
+	rm -f docs/images/relative_acceleration.vtu
 
 discrete: $(STAMP)  ## Appendix B's units against the simulation: what is missing is asked
 	$(BIN)/python -m cardiosurf.report.discrete_study .

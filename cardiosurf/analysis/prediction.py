@@ -184,7 +184,7 @@ class Prediction:
     width: float
     front: Front
     last_undisturbed: float
-    last_curved: float
+    curvature_delay: float
     last_arrival: float
     targets: tuple[TargetArrival, ...]
     patches: tuple[PatchPrediction, ...]

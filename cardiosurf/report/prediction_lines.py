@@ -19,7 +19,7 @@ def prediction_lines(prediction: Prediction) -> list[str]:
     jump = f"passes jumps of d up to {front.critical_jump:.2f}"
     without = (
         f"{prediction.last_undisturbed:.0f} tu without patches "
-        f"({prediction.last_curved:.0f} with curvature)"
+        f"(with curvature {_value(prediction.curvature_delay, '.0f')} tu later, median)"
     )
     lines = [
         f"{prediction.name}: predicted without a march, edges of {prediction.edge_length:g} su",

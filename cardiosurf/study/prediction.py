@@ -96,7 +96,7 @@ def predict(loaded: Loaded, width: float) -> Predicted:
         acceleration_limit=acceleration_limit(width),
         front=front,
         last_undisturbed=float(np.nanmax(found.undisturbed)),
-        last_curved=float(np.nanmax(found.curved)),
+        curvature_delay=float(np.nanmedian(found.curved - found.undisturbed)),
         last_arrival=float(np.nanmax(found.as_it_is)),
         targets=_targets(config, surface, found.as_it_is),
         patches=patches,
