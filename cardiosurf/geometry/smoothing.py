@@ -4,7 +4,13 @@ import numpy as np
 
 from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.geometry.sheet import Sheet
-from cardiosurf.geometry.topology import area_vectors, areas, corners_in, sharpness
+from cardiosurf.geometry.topology import (
+    area_columns,
+    corner_columns,
+    corners_in,
+    sharpness,
+    sharpness_of,
+)
 
 _SWEEPS = 3
 _STIFF = 50.0
@@ -69,54 +75,72 @@ def _swept(
     used[triangles[near]] = True
     names = np.flatnonzero(used)
     local = (np.cumsum(used) - 1)[triangles[near]]
-    patch = _moved(points[names], local, chosen[names], sheet, limits[1])
-    sharp[near] = sharpness(patch, local)
+    patch, sharp[near] = _moved(points[names], local, chosen[names], sheet, limits[1], sharp[near])
     points = points.copy()
     points[names] = patch
     return points
 
 
-def _moved(points: Floats, triangles: Ints, free: Mask, sheet: Sheet, enough: float) -> Floats:
-    before = np.minimum(_least(len(points), _upright(points, triangles, sheet), triangles), enough)
-    middle = _middles(points, triangles)
-    target = points.copy()
-    target[free] = sheet.project(middle[free])
-    value = _upright(target, triangles, sheet)
+def _moved(
+    points: Floats, triangles: Ints, free: Mask, sheet: Sheet, enough: float, sharp: Floats
+) -> tuple[Floats, Floats]:
+    """Return the points with free ones moved, and the smallest angle of each triangle then."""
+    corners = corner_columns(points, triangles)
+    area, normal = area_columns(corners), sheet.normal(points)
+    upright = np.where(_faces(normal, area, triangles) > 0, sharp, -1.0)
+    before = np.minimum(_least(len(points), upright, triangles), enough)
+    target, turned = points.copy(), normal.copy()
+    target[free] = sheet.project(_middles(corners, area, triangles, len(points))[free])
+    turned[free] = sheet.normal(target[free])
+    after = np.empty(len(triangles))
+    value = _upright(target, triangles, turned, after)
     accepted = free.copy()
     for _ in range(_TRIES):
         worse = accepted & (_least(len(points), value, triangles) < before)
         if not worse.any():
-            return target
+            return target, after
         # the move of a neighbour may be to blame, so all corners of a spoiled triangle stay
         back = np.zeros(len(points), dtype=bool)
         back[triangles[corners_in(worse, triangles) > 0]] = True
         back &= accepted
         accepted &= ~back
-        target[back] = points[back]
+        target[back], turned[back] = points[back], normal[back]
         again = np.flatnonzero(corners_in(back, triangles))
-        value[again] = _upright(target, triangles[again], sheet)
-    return points
+        anew = np.empty(len(again))
+        value[again] = _upright(target, triangles[again], turned, anew)
+        after[again] = anew
+    return points, sharp
 
 
-def _middles(points: Floats, triangles: Ints) -> Floats:
-    """Return the mean of the centroids around each vertex, weighted by the areas, (n, 3)."""
-    names, area = triangles.ravel(), areas(points, triangles)
-    total = np.maximum(np.bincount(names, np.repeat(area, 3), len(points)), 1e-300)
-    a, b, c = triangles.T
-    # columns: sums over rows of three are slow
+def _middles(
+    corners: list[list[Floats]], area: tuple[Floats, ...], triangles: Ints, count: int
+) -> Floats:
+    """Return the mean of the centroids around each vertex, weighted by the areas, (count, 3)."""
+    x, y, z = area
+    size, names = np.sqrt(x * x + y * y + z * z), triangles.ravel()
+    total = np.maximum(np.bincount(names, np.repeat(size, 3), count), 1e-300)
     sums = [
-        np.bincount(names, np.repeat(area * ((x[a] + x[b] + x[c]) / 3.0), 3), len(points))
-        for x in np.ascontiguousarray(points.T)
+        np.bincount(names, np.repeat(size * ((a + b + c) / 3.0), 3), count)
+        for a, b, c in zip(*corners, strict=True)
     ]
     return np.stack(sums, axis=1) / total[:, None]
 
 
-def _upright(points: Floats, triangles: Ints, sheet: Sheet) -> Floats:
-    """Return the smallest angle of each triangle, -1 where it is turned over, (m,)."""
-    normal, vector = sheet.normal(points), area_vectors(points, triangles)
+def _upright(points: Floats, triangles: Ints, normal: Floats, angles: Floats) -> Floats:
+    """Return the smallest angle of each triangle, -1 where it is turned over, (m,).
+
+    ``angles`` (m,) is filled with the smallest angles themselves.
+    """
+    corners = corner_columns(points, triangles)
+    area = area_columns(corners)
+    angles[:] = sharpness_of(corners, area)
+    return np.where(_faces(normal, area, triangles) > 0, angles, -1.0)
+
+
+def _faces(normal: Floats, area: tuple[Floats, ...], triangles: Ints) -> Floats:
+    """Return the areas (m,), negative where a triangle does not face the way of its normal."""
     first = triangles[:, 0]
-    upright = sum(normal[first, k] * vector[:, k] for k in range(3))
-    return np.where(upright > 0, sharpness(points, triangles), -1.0)
+    return np.asarray(sum(normal[first, k] * area[k] for k in range(3)))
 
 
 def _least(count: int, values: Floats, triangles: Ints) -> Floats:

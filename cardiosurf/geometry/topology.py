@@ -102,16 +102,16 @@ def edge_vectors(points: Floats, triangles: Ints) -> Floats:
 
 def area_vectors(points: Floats, triangles: Ints) -> Floats:
     """Return the normals (m, 3) whose lengths are the triangles' areas."""
-    return np.stack(_area_vectors(_corners(points, triangles)), axis=1)
+    return np.stack(area_columns(corner_columns(points, triangles)), axis=1)
 
 
 def areas(points: Floats, triangles: Ints) -> Floats:
     """Return the triangles' areas, (m,)."""
-    x, y, z = _area_vectors(_corners(points, triangles))
+    x, y, z = area_columns(corner_columns(points, triangles))
     return np.sqrt(x * x + y * y + z * z)
 
 
-def _corners(points: Floats, triangles: Ints) -> list[list[Floats]]:
+def corner_columns(points: Floats, triangles: Ints) -> list[list[Floats]]:
     """Return the three coordinates of the three vertices, each (m,).
 
     Arithmetic on whole columns is several times quicker than on rows of three.
@@ -120,7 +120,8 @@ def _corners(points: Floats, triangles: Ints) -> list[list[Floats]]:
     return [[column[vertex] for column in columns] for vertex in np.ascontiguousarray(triangles.T)]
 
 
-def _area_vectors(corners: list[list[Floats]]) -> tuple[Floats, Floats, Floats]:
+def area_columns(corners: list[list[Floats]]) -> tuple[Floats, Floats, Floats]:
+    """Return the coordinates of ``area_vectors``, each (m,), for ``corner_columns``."""
     (ax, ay, az), (bx, by, bz), (cx, cy, cz) = corners
     ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
     return 0.5 * (uy * vz - uz * vy), 0.5 * (uz * vx - ux * vz), 0.5 * (ux * vy - uy * vx)
@@ -128,7 +129,7 @@ def _area_vectors(corners: list[list[Floats]]) -> tuple[Floats, Floats, Floats]:
 
 def edge_lengths(points: Floats, triangles: Ints) -> Floats:
     """Return the lengths of the edges, (3, m); edge i is opposite vertex i."""
-    corners = _corners(points, triangles)
+    corners = corner_columns(points, triangles)
     return np.sqrt(np.stack([_square(corners[i - 2], corners[i - 1]) for i in range(3)]))
 
 
@@ -153,8 +154,13 @@ def circumcentres(points: Floats, triangles: Ints) -> tuple[Floats, Floats]:
 
 def sharpness(points: Floats, triangles: Ints) -> Floats:
     """Return the smallest angle of each triangle, (m,), in degrees."""
-    corners = _corners(points, triangles)
-    x, y, z = _area_vectors(corners)
+    corners = corner_columns(points, triangles)
+    return sharpness_of(corners, area_columns(corners))
+
+
+def sharpness_of(corners: list[list[Floats]], area: tuple[Floats, Floats, Floats]) -> Floats:
+    """Return the smallest angles, (m,), for ``corner_columns`` and ``area_columns``."""
+    x, y, z = area
     twice = 2.0 * np.sqrt(x * x + y * y + z * z)
     one, two, three = (_square(corners[i], corners[j]) for i, j in ((1, 2), (2, 0), (0, 1)))
     # the product of the two longer sides
