@@ -111,7 +111,8 @@ class Arc:
         """Return the curvature vectors (n, 3) at arclengths (n,), in 1/su."""
         step = min(0.02 * self.length, 0.5 * float(self.lengths[1]))
         middle = stations if self.loop else np.clip(stations, step, self.length - step)
-        before, here, after = (self.at(middle + k * step, sheet) for k in (-1, 0, 1))
+        three = np.concatenate([middle - step, middle, middle + step])
+        before, here, after = self.at(three, sheet).reshape(3, -1, 3)
         first, second = here - before, after - here
         norms = np.linalg.norm(first, axis=1), np.linalg.norm(second, axis=1)
         turn = second / norms[1][:, None] - first / norms[0][:, None]

@@ -14,7 +14,7 @@ from cardiosurf.geometry.sense import check_region
 from cardiosurf.geometry.sheet import Sheet
 from cardiosurf.geometry.skeleton import skeleton
 from cardiosurf.geometry.surface import Surface
-from cardiosurf.geometry.topology import area_vectors, open_edges
+from cardiosurf.geometry.topology import area_vectors, centroids, open_edges
 
 _MOST_TRIANGLES = 5e6
 
@@ -114,7 +114,7 @@ def points_inside(region: Region, shape: Shape, points: Floats, where: str = "re
 def _labelled(
     sheet: Sheet, points: Floats, triangles: Ints, regions: Mapping[str, Region]
 ) -> Surface:
-    centres = sheet.project(points[triangles].mean(axis=1))
+    centres = sheet.project(centroids(points, triangles))
     part = sheet.part_of(centres)
     masks = {name: contains(one, sheet, centres, part) for name, one in regions.items()}
     for name, mask in masks.items():

@@ -196,20 +196,21 @@ def _evened(lines: Sequence[Line], front: Frontier, sheet: Sheet) -> tuple[Line,
 def _crowded(front: Frontier) -> Mask:
     """Return the segments whose circle holds a vertex, except of a segment with a common end."""
     tree = scipy.spatial.cKDTree(front.points)
-    near = tree.query_ball_point(front.middles, 0.5 * front.lengths * (1.0 - 1e-6))
-    counts = np.fromiter((len(one) for one in near), dtype=np.int64, count=len(near))
-    crowded = np.zeros(len(near), dtype=bool)
-    if not counts.any():
+    middles, reach = front.middles, 0.5 * front.lengths * (1.0 - 1e-6)
+    crowded = np.zeros(len(middles), dtype=bool)
+    some = np.flatnonzero(tree.query_ball_point(middles, reach, return_length=True))
+    if not len(some):
         return crowded
     beside: dict[int, set[int]] = {}
     for one, other in front.segments.tolist():
         beside.setdefault(one, set()).add(other)
         beside.setdefault(other, set()).add(one)
-    for number in np.flatnonzero(counts):
+    near = tree.query_ball_point(middles[some], reach[some])
+    for number, inside in zip(some, near, strict=True):
         one, other = front.segments[number].tolist()
         own = {one, other}
         for end in (one, other):
             if end < front.corners:
                 own |= beside[end]
-        crowded[number] = not own.issuperset(near[number])
+        crowded[number] = not own.issuperset(inside)
     return crowded

@@ -9,6 +9,7 @@ from cardiosurf.arrays import Floats, Ints
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.levels import FlatLevel, Level
 from cardiosurf.geometry.sheet import Window, planar_delaunay
+from cardiosurf.geometry.topology import centroids
 from cardiosurf.sections import Coordinate, Section
 
 _EPSILON = 1e-9
@@ -130,4 +131,4 @@ class PlaneSheet:
 
     def centres(self, points: Floats, triangles: Ints) -> Floats:
         """Return the centroids."""
-        return np.asarray(points[triangles].mean(axis=1))
+        return centroids(points, triangles)

@@ -43,7 +43,10 @@ class Profile:
         """Arclength, rho, z and heading where each bow begins, (b + 1, 4)."""
         rows = [np.array([-self.before, *self.start, self.heading])]
         for curvature, length in self.bows:
-            rows.append(_along(rows[-1], curvature, np.array([length]))[0])
+            last = rows[-1]
+            rho, z = _along(last, curvature, np.array([length]))
+            half = 0.5 * curvature * length
+            rows.append(np.array([last[0] + length, rho[0], z[0], last[3] + half + half]))
         return np.array(rows)
 
     @property
@@ -58,12 +61,19 @@ class Profile:
 
     def at(self, s: Floats) -> tuple[Floats, Floats]:
         """Return rho and z (n,) at the arclengths (n,)."""
-        placed = self._placed(s)
-        return placed[:, 1], placed[:, 2]
+        s, which = self._bow_at(s)
+        rho, z = np.empty(len(s)), np.empty(len(s))
+        for number in np.flatnonzero(np.bincount(which, minlength=len(self.bows))):
+            mine, knot = which == number, self._knots[number]
+            rho[mine], z[mine] = _along(knot, self.bows[number][0], s[mine] - knot[0])
+        return rho, z
 
     def tangent(self, s: Floats) -> tuple[Floats, Floats]:
         """Return the rho and z components (n,) of the unit tangent at the arclengths (n,)."""
-        heading = self._placed(s)[:, 3]
+        s, which = self._bow_at(s)
+        curvature = np.array([bow[0] for bow in self.bows])[which]
+        half = 0.5 * curvature * (s - self._knots[which, 0])
+        heading = self._knots[which, 3] + half + half
         return np.cos(heading), np.sin(heading)
 
     def curvature(self, s: Floats) -> Floats:
@@ -77,25 +87,17 @@ class Profile:
             s = self.limits[0] + np.mod(s - self.limits[0], self.length)
         return s, np.clip(np.searchsorted(self._knots[1:-1, 0], s), 0, len(self.bows) - 1)
 
-    def _placed(self, s: Floats) -> Floats:
-        s, which = self._bow_at(s)
-        placed = np.empty((len(s), 4))
-        for number, (curvature, _) in enumerate(self.bows):
-            mine = which == number
-            knot = self._knots[number]
-            placed[mine] = _along(knot, curvature, s[mine] - knot[0])
-        return placed
-
     def nearest(self, rho: Floats, z: Floats) -> Floats:
         """Return the arclengths (n,) of the curve's points nearest to the points."""
         best = np.full(len(rho), np.inf)
         found = np.zeros(len(rho))
         for knot, (curvature, length) in zip(self._knots, self.bows, strict=False):
-            along = np.clip(_foot(knot, curvature, length, (rho, z)), 0.0, length)
-            place = _along(knot, curvature, along)
-            away = (place[:, 1] - rho) ** 2 + (place[:, 2] - z) ** 2
+            along = np.minimum(np.maximum(_foot(knot, curvature, length, (rho, z)), 0.0), length)
+            at_rho, at_z = _along(knot, curvature, along)
+            away = (at_rho - rho) ** 2 + (at_z - z) ** 2
             nearer = away < best
-            best[nearer], found[nearer] = away[nearer], place[nearer, 0]
+            found = np.where(nearer, knot[0] + along, found)
+            best = np.where(nearer, away, best)
         return found
 
     @cached_property
@@ -141,20 +143,12 @@ class Profile:
         return (s, *self.at(s))
 
 
-def _along(knot: Floats, curvature: float, t: Floats) -> Floats:
-    """Return arclength, rho, z, heading (n, 4) at the lengths t (n,) past a knot."""
+def _along(knot: Floats, curvature: float, t: Floats) -> tuple[Floats, Floats]:
+    """Return rho and z, each (n,), at the lengths t (n,) past a knot."""
     half = 0.5 * curvature * t
-    chord = t * np.sinc(half / np.pi)
+    chord = t * np.sinc(half / np.pi) if curvature else t
     middle = knot[3] + half
-    return np.stack(
-        [
-            knot[0] + t,
-            knot[1] + chord * np.cos(middle),
-            knot[2] + chord * np.sin(middle),
-            middle + half,
-        ],
-        axis=1,
-    )
+    return knot[1] + chord * np.cos(middle), knot[2] + chord * np.sin(middle)
 
 
 def _foot(knot: Floats, curvature: float, length: float, points: tuple[Floats, Floats]) -> Floats:

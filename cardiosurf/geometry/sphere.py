@@ -11,7 +11,7 @@ from cardiosurf.arrays import Floats, Ints
 from cardiosurf.errors import InputError
 from cardiosurf.geometry.levels import FlatLevel, Level
 from cardiosurf.geometry.regions import Direction
-from cardiosurf.geometry.topology import area_vectors
+from cardiosurf.geometry.topology import area_vectors, centroids
 from cardiosurf.sections import SMALLEST, Positive, Section
 
 _FEWEST = 4
@@ -158,7 +158,7 @@ class SphereSheet:
 
     def centres(self, points: Floats, triangles: Ints) -> Floats:
         """Return the centroids moved along their radii."""
-        return self.project(points[triangles].mean(axis=1))
+        return self.project(centroids(points, triangles))
 
 
 def _triple(vector: Floats) -> tuple[float, float, float]:

@@ -160,14 +160,11 @@ class TDomainSheet:
 
     def net(self, points: Floats, part: Ints) -> Floats:
         """Return y, z on the rectangles and theta, phi on the vein."""
-        angles = np.stack(self.tube.on_vein(points), axis=1)
-        return np.where((part == _VEIN)[:, None], angles, points[:, 1:])
+        return self.tube.net(points, part == _VEIN)
 
     def frame(self, points: Floats, part: Ints) -> Floats:
         """Return the unit vectors of the net."""
-        return np.where(
-            (part == _VEIN)[:, None, None], self.tube.vein_frame(points), np.eye(3)[1:][None]
-        )
+        return self.tube.frame(points, part == _VEIN)
 
     def edge_of(self, points: Floats) -> Ints:
         """Return the edge: a side, the tip, or inner for all that is left."""

@@ -84,7 +84,11 @@ def are_edges(pairs: Ints, triangles: Ints) -> Mask:
     asked[pairs] = True
     near = triangles[corners_in(asked, triangles) >= 2]
     edges = near[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2)
-    return np.isin(_keys(pairs, base), _keys(edges, base))
+    there, wanted = np.sort(_keys(edges, base)), _keys(pairs, base)
+    if not len(there):
+        return np.zeros(len(pairs), dtype=bool)
+    at = np.minimum(np.searchsorted(there, wanted), len(there) - 1)
+    return np.asarray(there[at] == wanted)
 
 
 def _keys(pairs: Ints, base: int) -> Ints:
@@ -109,6 +113,15 @@ def areas(points: Floats, triangles: Ints) -> Floats:
     """Return the triangles' areas, (m,)."""
     x, y, z = area_columns(corner_columns(points, triangles))
     return np.sqrt(x * x + y * y + z * z)
+
+
+def centroids(points: Floats, triangles: Ints) -> Floats:
+    """Return the means of the triangles' vertices, (m, d), for points (n, d)."""
+    middle = np.empty((len(triangles), points.shape[1]))
+    one, two, three = np.ascontiguousarray(triangles.T)
+    for axis, column in enumerate(np.ascontiguousarray(points.T)):
+        middle[:, axis] = (column[one] + column[two] + column[three]) / 3.0
+    return middle
 
 
 def corner_columns(points: Floats, triangles: Ints) -> list[list[Floats]]:

@@ -11,7 +11,7 @@ from cardiosurf.geometry.levels import Level
 from cardiosurf.geometry.locate import onto_crossing, onto_level
 from cardiosurf.geometry.pinches import ON_LEVEL, saddles
 from cardiosurf.geometry.sheet import Sheet
-from cardiosurf.geometry.topology import edge_vectors, numbered_edges
+from cardiosurf.geometry.topology import centroids, edge_vectors, numbered_edges
 
 _FINENESS = 75.0
 _NOISE = 1e-9
@@ -102,12 +102,12 @@ def crossings(
     chains: Sequence[Chain], levels: Sequence[Level], ground: Background, sheet: Sheet
 ) -> Crossings:
     """Return the points where two levels cross, found by Newton from all triangles near both."""
-    tree = scipy.spatial.cKDTree(ground.points[ground.triangles].mean(axis=1))
+    centres = centroids(ground.points, ground.triangles)
+    tree = scipy.spatial.cKDTree(centres)
     cells = [np.zeros(len(ground.triangles), dtype=bool) for _ in levels]
     for chain in chains:
         cells[chain.level][tree.query(chain.points, k=min(10, tree.n))[1].ravel()] = True
     starts, pairs = [np.empty((0, 3))], [np.empty((0, 2), dtype=np.int64)]
-    centres = np.asarray(tree.data)
     for first in range(len(levels)):
         for second in range(first + 1, len(levels)):
             both = np.flatnonzero(cells[first] & cells[second])

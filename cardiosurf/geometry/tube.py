@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardiosurf.arrays import Floats, Ints
+from cardiosurf.arrays import Floats, Ints, Mask
 from cardiosurf.geometry.levels import FlatLevel, Level, ThetaLevel
 from cardiosurf.geometry.sheet import Window, planar_delaunay
+from cardiosurf.geometry.topology import centroids
 
 _EPSILON = 1e-9
 _STEEPEST = 0.8 * np.pi
@@ -84,13 +85,22 @@ class Tube:
         """Return theta and phi, each (n,)."""
         return self.theta(points), np.arctan2(points[:, 1], points[:, 2])
 
-    def vein_frame(self, points: Floats) -> Floats:
-        """Return the unit vectors (n, 2, 3) along growing theta and phi."""
-        theta, phi = self.on_vein(points)
+    def net(self, points: Floats, vein: Mask) -> Floats:
+        """Return theta and phi where the mask (n,) is true, y and z elsewhere, (n, 2)."""
+        net = points[:, 1:].copy()
+        net[vein, 0], net[vein, 1] = self.on_vein(points[vein])
+        return net
+
+    def frame(self, points: Floats, vein: Mask) -> Floats:
+        """Return the unit vectors (n, 2, 3) along growing coordinates of the net."""
+        frame = np.empty((len(points), 2, 3))
+        frame[:] = np.eye(3)[1:]
+        theta, phi = self.on_vein(points[vein])
         st, ct, sp, cp = np.sin(theta), np.cos(theta), np.sin(phi), np.cos(phi)
         along_theta = np.stack([st, -ct * sp, -ct * cp], axis=1)
         along_phi = np.stack([np.zeros_like(sp), cp, -sp], axis=1)
-        return np.stack([along_theta, along_phi], axis=1)
+        frame[vein] = np.stack([along_theta, along_phi], axis=1)
+        return frame
 
     def net_level(self, axis: str, angle: float) -> Level:
         """Return the level of theta = angle or of the plane through phi = angle."""
@@ -141,7 +151,7 @@ class Tube:
 
     def centres(self, points: Floats, triangles: Ints) -> Floats:
         """Return the surface points of the triangles' centroids in the chart."""
-        return self.unchart(self.chart(points)[triangles].mean(axis=1))
+        return self.unchart(centroids(self.chart(points), triangles))
 
     def spread(self, window: Window, spacing: float) -> Floats:
         """Return a lattice on the plane and rings on the vein, two of them past its tip."""

@@ -126,14 +126,11 @@ class VeinSheet:
 
     def net(self, points: Floats, part: Ints) -> Floats:
         """Return y, z on the square and theta, phi on the vein."""
-        angles = np.stack(self.tube.on_vein(points), axis=1)
-        return np.where((part == 1)[:, None], angles, points[:, 1:])
+        return self.tube.net(points, part == 1)
 
     def frame(self, points: Floats, part: Ints) -> Floats:
         """Return the unit vectors of the net."""
-        return np.where(
-            (part == 1)[:, None, None], self.tube.vein_frame(points), np.eye(3)[1:][None]
-        )
+        return self.tube.frame(points, part == 1)
 
     def edge_of(self, points: Floats) -> Ints:
         """Return the edge: a side of the square, or the tip."""
