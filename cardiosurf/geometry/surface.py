@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cardiosurf.arrays import Floats, Ints, Mask
-from cardiosurf.geometry.topology import area_vectors
+from cardiosurf.geometry.topology import areas
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Surface:
 
     def areas(self) -> Floats:
         """Return the area of each triangle, (m,), in su^2."""
-        return np.asarray(np.linalg.norm(area_vectors(self.points, self.triangles), axis=1))
+        return areas(self.points, self.triangles)
 
     def vertex_areas(self) -> Floats:
         """Return the area of each vertex (a third of its triangles'), (n,), in su^2."""

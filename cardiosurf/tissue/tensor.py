@@ -81,10 +81,24 @@ def build_tissue(surface: Surface, section: TissueSection) -> Tissue:
             along_axes[mask] = base * factors
         excitable[mask] = patch.excitable
         patch_of[mask] = number
-    scaled = along_axes[:, :, None] * frame
-    tensor = scaled[:, 0, :, None] * frame[:, 0, None, :]
-    tensor += scaled[:, 1, :, None] * frame[:, 1, None, :]
-    return Tissue(tensor, excitable, tuple(patch.name for patch in section.patches), patch_of)
+    return Tissue(
+        _tensor(along_axes, frame),
+        excitable,
+        tuple(patch.name for patch in section.patches),
+        patch_of,
+    )
+
+
+def _tensor(along_axes: Floats, frame: Floats) -> Floats:
+    """Return s1 e1 e1 + s2 e2 e2, (m, 3, 3), for factors (m, 2) and directions (m, 2, 3)."""
+    # columns: products of rows of three are slow
+    first, second = np.ascontiguousarray(np.moveaxis(frame, 0, -1))
+    scaled_first, scaled_second = along_axes[:, 0] * first, along_axes[:, 1] * second
+    tensor = np.empty((len(frame), 3, 3))
+    for i in range(3):
+        for j in range(3):
+            tensor[:, i, j] = scaled_first[i] * first[j] + scaled_second[i] * second[j]
+    return tensor
 
 
 def main_directions(surface: Surface, tensor: Floats) -> Floats:
@@ -99,14 +113,44 @@ def main_directions(surface: Surface, tensor: Floats) -> Floats:
     tensor : (m, 3, 3) float
         Diffusivity of its triangles, in su^2/tu.
     """
-    within = np.einsum("mai,mij,mbj->mab", surface.frame, tensor, surface.frame)
-    difference, twice = within[:, 0, 0] - within[:, 1, 1], within[:, 0, 1] + within[:, 1, 0]
-    angle = 0.5 * np.arctan2(twice, difference)
-    turned = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    d11, d12, d22 = along_net(surface, tensor)
+    difference, twice = d11 - d22, 2.0 * d12
     # diffusivities that are equal differ by rounding
-    same = np.hypot(difference, twice) < ISOTROPIC * np.trace(within, axis1=1, axis2=2)
-    turned[same] = 0.0
-    return np.asarray(np.einsum("ma,mad->md", turned, surface.frame))
+    unlike = np.flatnonzero(np.hypot(difference, twice) >= ISOTROPIC * (d11 + d22))
+    angle = 0.5 * np.arctan2(twice[unlike], difference[unlike])
+    first, second = surface.frame[unlike, 0], surface.frame[unlike, 1]
+    directions = np.zeros((len(tensor), 3))
+    directions[unlike] = np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second
+    return directions
+
+
+def along_net(surface: Surface, tensor: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return d11, d12 and d22, each (m,), the diffusivity of each triangle in its net's frame.
+
+    Parameters
+    ----------
+    surface : Surface
+        The mesh.
+    tensor : (m, 3, 3) float
+        Symmetric diffusivity of its triangles, in su^2/tu.
+    """
+    # columns: sums over rows of three are slow
+    frame = np.ascontiguousarray(surface.frame.reshape(-1, 6).T)
+    d = np.ascontiguousarray(tensor.reshape(-1, 9).T)
+    first, second = frame[:3], frame[3:]
+    along_first, along_second = (
+        [d[i] * one[0] + d[i + 3] * one[1] + d[i + 6] * one[2] for i in range(3)]
+        for one in (first, second)
+    )
+    d11, d12, d22 = (
+        one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
+        for one, other in (
+            (first, along_first),
+            (first, along_second),
+            (second, along_second),
+        )
+    )
+    return d11, d12, d22
 
 
 def _along_axes(surface: Surface, patch: Patch, mask: Mask) -> Floats:
