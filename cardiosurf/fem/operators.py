@@ -5,10 +5,11 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
-from skfem import Basis, BilinearForm, ElementTriP1
+from skfem import BilinearForm, ElementTriP1
 from skfem.helpers import dot, grad, mul
 
 from cardiosurf.arrays import Floats, Ints, Mask, Matrix
+from cardiosurf.fem.hats import Hats, HatValues
 from cardiosurf.fem.mapping import SurfaceMapping, surface_mesh
 
 Mass: TypeAlias = Literal["blended", "lumped", "consistent"]
@@ -83,14 +84,17 @@ def assemble(
     mesh = surface_mesh(points, triangles)
     mapping = SurfaceMapping(mesh)
     # gradients are constant on a triangle, products of two hat functions are quadratic
-    at_centre = _basis(mesh, mapping, quadrature=_CENTRE)
+    at_centre = _basis(mesh, mapping, ElementTriP1(), quadrature=_CENTRE)
     d = np.ascontiguousarray(np.moveaxis(tensor, 0, -1))[..., None]
     rates = BilinearForm(diffusion).coo_data(at_centre, tensor=d)
     products = BilinearForm(product).coo_data(
-        _basis(mesh, mapping, intorder=2, dofs=at_centre.dofs)
+        _basis(mesh, mapping, HatValues(), intorder=2, dofs=at_centre.dofs)
     )
     # the real and the imaginary part of one matrix: both are summed into its entries at once
-    both = _summed(products, products.data + 1j * rates.data)
+    values = np.empty(len(rates.data), dtype=np.complex128)
+    # plus 0 turns -0 into 0
+    values.real, values.imag = products.data, rates.data + 0.0
+    both = _summed(products, values)
     whole = _with_values(both, _blended(both, both.data.real, mass))
     stiffness = _with_values(both, both.data.imag)
     if excitable.all():
@@ -99,9 +103,9 @@ def assemble(
     return Operators(whole, _with_values(both, _blended(both, part.data, mass)), stiffness)
 
 
-def _basis(mesh: Any, mapping: SurfaceMapping, **options: Any) -> Basis:
+def _basis(mesh: Any, mapping: SurfaceMapping, hats: ElementTriP1, **options: Any) -> Hats:
     """Return the hat functions with a quadrature."""
-    return Basis(mesh, ElementTriP1(), mapping=mapping, disable_doflocs=True, **options)
+    return Hats(mesh, hats, mapping=mapping, disable_doflocs=True, **options)
 
 
 def _summed(form: Any, values: Any) -> Any:
