@@ -13,7 +13,7 @@ from cardiosurf.geometry.surface import Surface
 from cardiosurf.recording.frame_sets import FRAMES, write_frames, write_views
 from cardiosurf.recording.layout import DATASETS, SCHEMA
 from cardiosurf.recording.lengths import check_lengths
-from cardiosurf.recording.meta import read_meta, write_meta
+from cardiosurf.recording.meta import describe, read_meta, write_meta
 from cardiosurf.recording.recording import (
     Events,
     FrameSeries,
@@ -31,7 +31,7 @@ SMALL = 256
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
 
-def write_recording(path: Path, recording: Recording) -> None:
+def write_recording(path: Path, recording: Recording, *, synced: bool = True) -> None:
     """Write a recording; the file appears complete or not at all.
 
     Ctrl-C and SIGTERM wait until HDF5 can be left: between two datasets, or two slabs of frames.
@@ -42,6 +42,8 @@ def write_recording(path: Path, recording: Recording) -> None:
         The file, usually ``recording.h5``; one that is there already is replaced.
     recording : Recording
         What to write.
+    synced : bool
+        Whether the file is on the disk at the end (``whole_file``).
 
     Raises
     ------
@@ -52,7 +54,7 @@ def write_recording(path: Path, recording: Recording) -> None:
     """
     with (
         held_signals() as held,
-        whole_file(path) as partial,
+        whole_file(path, synced=synced) as partial,
         SteadyFile(partial) as steady,
         h5py.File(steady, "w") as file,
     ):
@@ -196,8 +198,7 @@ def _write(file: h5py.File, name: str, value: ArrayLike, held: HeldSignals) -> N
         data = np.asarray(value)
         options = COMPRESSION if entry.packed and data.size > SMALL else {}
         dataset = file.create_dataset(name, data=data, **options)
-    dataset.attrs["units"] = entry.units
-    dataset.attrs["description"] = entry.description
+    describe(dataset, entry.units, entry.description)
 
 
 def _check(path: Path, file: h5py.File) -> None:

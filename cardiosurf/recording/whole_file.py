@@ -11,7 +11,7 @@ from cardiosurf.errors import InputError
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
+def whole_file(path: Path, *, synced: bool = True) -> Iterator[Path]:
     """Give a path beside ``path`` to write to, and rename it to ``path`` once it is complete.
 
     Whatever goes wrong inside the ``with`` block, the unfinished file is removed and ``path`` is
@@ -22,6 +22,9 @@ def whole_file(path: Path) -> Iterator[Path]:
     ----------
     path : Path
         The file to write; its folder must exist.
+    synced : bool
+        Whether it is on the disk when it gets its name. Several files that get other names
+        together are on the disk sooner if ``sync`` sees to that once all of them are written.
 
     Raises
     ------
@@ -32,8 +35,8 @@ def whole_file(path: Path) -> Iterator[Path]:
     try:
         partial.unlink(missing_ok=True)
         yield partial
-        with partial.open("rb") as written:
-            os.fsync(written.fileno())
+        if synced:
+            sync(partial)
         partial.replace(path)
     except BaseException as error:
         with suppress(OSError):  # below a file there is nothing to remove, and that is no news
@@ -41,6 +44,12 @@ def whole_file(path: Path) -> Iterator[Path]:
         if isinstance(error, OSError):
             raise unwritable(path, error) from error
         raise
+
+
+def sync(path: Path) -> None:
+    """See to it that a file is on the disk."""
+    with path.open("rb") as written:
+        os.fsync(written.fileno())
 
 
 _NO_ROOM = ("a disk with room", "free some space, or give another folder with -o")

@@ -4,8 +4,8 @@ They hold no numbers, only references into the HDF5 file by its bare name, so th
 moved. Each frame is a dataset of its own (a view), because not every reader knows hyperslabs.
 """
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
-from functools import reduce
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -32,13 +32,15 @@ FRAME, TIME, VIEW = "\ue000", "\ue001", "\ue002"
 KINDS = {"f": "Float", "i": "Int", "u": "UInt"}
 
 
-def write_xdmf(recording: Path) -> tuple[Path, ...]:
+def write_xdmf(recording: Path, *, synced: bool = True) -> tuple[Path, ...]:
     """Write the XDMF files of a recording beside it.
 
     Parameters
     ----------
     recording : Path
         The HDF5 file, ``<name>.h5``.
+    synced : bool
+        Whether the files are on the disk at the end (``whole_file``).
 
     Returns
     -------
@@ -56,17 +58,20 @@ def write_xdmf(recording: Path) -> tuple[Path, ...]:
         times = file["frames/times"][()]
         if len(times):
             series = recording.with_suffix(".xdmf")
-            _save(series, _series(file, recording.name, times))
+            _save(series, _series(file, recording.name, times), synced=synced)
             written.append(series)
         maps = recording.with_name(f"{recording.stem}_maps.xdmf")
-        _save(maps, [_text(_grid(file, recording.name, "maps"), level=2)])
+        _save(maps, [_text(_grid(file, recording.name, "maps"), level=2)], synced=synced)
         written.append(maps)
     return tuple(written)
 
 
-def _save(path: Path, grids: Iterable[str]) -> None:
+def _save(path: Path, grids: Iterable[str], *, synced: bool) -> None:
     """Write the file around the text of its grids."""
-    with whole_file(path) as partial, partial.open("w", encoding="utf-8") as file:
+    with (
+        whole_file(path, synced=synced) as partial,
+        partial.open("w", encoding="utf-8") as file,
+    ):
         file.write("<?xml version='1.0' encoding='utf-8'?>\n")
         file.write('<Xdmf Version="3.0">\n  <Domain>\n')
         file.writelines(grids)
@@ -92,9 +97,11 @@ def _series(file: h5py.File, source: str, times: Sequence[float]) -> Iterator[st
         _attribute(grid, name[-1], "Node", item)
     one = _text(grid, level=3)
     yield '    <Grid Name="frames" GridType="Collection" CollectionType="Temporal">\n'
+    # cut once at all places where frames differ
+    pieces = re.split(f"([{FRAME}{TIME}{VIEW}])", one)
     for index, time in enumerate(times):
         words = {FRAME: str(index), TIME: repr(float(time)), VIEW: numbered(index)}
-        yield reduce(lambda text, word: text.replace(*word), words.items(), one)
+        yield "".join([words.get(piece, piece) for piece in pieces])
     yield "    </Grid>\n"
 
 

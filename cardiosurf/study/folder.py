@@ -10,7 +10,7 @@ from pathlib import Path
 
 from cardiosurf.errors import InputError
 from cardiosurf.recording.signals import held_signals
-from cardiosurf.recording.whole_file import unwritable, whole_file
+from cardiosurf.recording.whole_file import sync, unwritable, whole_file
 from cardiosurf.study.lock import NAME, locked
 
 RECORDING, CONFIG, VERDICT = "recording.h5", "config.yaml", "verdict.json"
@@ -173,6 +173,9 @@ class RunFolder:
         """
         with held_signals():
             try:
+                for name in FILES:
+                    if (self.staged / name).exists():
+                        sync(self.staged / name)
                 # while files are replaced, an old verdict must not stand beside a new recording
                 (self.path / VERDICT).unlink(missing_ok=True)
                 if (self.path / RECORDING).exists():
@@ -192,9 +195,9 @@ class RunFolder:
         if self.partial.exists():
             shutil.rmtree(self.partial)
 
-    def write_text(self, path: Path, text: str) -> None:
-        """Write a text file into the folder, whole or not at all."""
-        with whole_file(path) as partial:
+    def write_text(self, path: Path, text: str, *, synced: bool = True) -> None:
+        """Write a text file into the folder, whole or not at all (``whole_file``)."""
+        with whole_file(path, synced=synced) as partial:
             partial.write_text(text, encoding="utf-8")
 
     def _empty_partial(self) -> None:

@@ -25,10 +25,10 @@ def send_at_the_first(monkeypatch, owner, verb, number=signal.SIGINT):
     """Have a method send this process a signal when it is first called."""
     original = getattr(owner, verb)
 
-    def sending(*arguments):
+    def sending(*arguments, **options):
         monkeypatch.setattr(owner, verb, original)
         os.kill(os.getpid(), number)
-        return original(*arguments)
+        return original(*arguments, **options)
 
     monkeypatch.setattr(owner, verb, sending)
 
