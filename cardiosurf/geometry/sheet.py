@@ -140,9 +140,13 @@ def planar_delaunay(flat: Floats) -> Ints:
     radius = 4.0 * np.ptp(flat, axis=0).max() + 1e-300
     angle = 0.1 + 2.0 * np.pi * np.arange(_GHOSTS) / _GHOSTS
     ghosts = middle + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    found = scipy.spatial.Delaunay(np.concatenate([flat, ghosts])).simplices.astype(np.int64)
-    found = found[(found < count).all(axis=1)]
-    sides = flat[found[:, 1:]] - flat[found[:, :1]]
-    turn = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
-    found[turn < 0] = found[turn < 0][:, [0, 2, 1]]
+    found = scipy.spatial.Delaunay(np.concatenate([flat, ghosts])).simplices
+    # columns: all() over rows of three and products of pairs are slow
+    one, two, three = np.ascontiguousarray(found.T)
+    found = found[(one < count) & (two < count) & (three < count)].astype(np.int64)
+    one, two, three = np.ascontiguousarray(found.T)
+    x, y = np.ascontiguousarray(flat.T)
+    turn = (x[two] - x[one]) * (y[three] - y[one]) - (y[two] - y[one]) * (x[three] - x[one])
+    wrong = np.flatnonzero(turn < 0)
+    found[wrong, 1], found[wrong, 2] = three[wrong], two[wrong]
     return found
