@@ -1,7 +1,10 @@
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from skfem import Basis, BilinearForm, ElementTriP1
+from skfem.helpers import dot, grad, mul
 
+from cardiosurf.fem.mapping import SurfaceMapping, surface_mesh
 from cardiosurf.fem.operators import assemble
 
 MASSES = ["blended", "lumped", "consistent"]
@@ -101,6 +104,22 @@ def test_rotating_mesh_and_tensor_together_changes_nothing(mass):
     # entries are of size 1 to 10, rounding of size 1e-14
     assert abs(before.stiffness - after.stiffness).max() < 1e-12
     assert abs(before.mass - after.mass).max() < 1e-13
+
+
+def test_scikit_fems_own_basis_gives_the_same_matrices():
+    points, triangles = sheet(8, 6, 1.0, jitter=0.25)
+    bent = rolled(points, 6.0)
+    factor = np.random.default_rng(3).normal(size=(len(triangles), 3, 3))
+    tensor = factor @ factor.transpose(0, 2, 1)
+    op = operators(bent, triangles, tensor, "consistent")
+    mesh = surface_mesh(bent, triangles)
+    basis = Basis(mesh, ElementTriP1(), mapping=SurfaceMapping(mesh), intorder=2)
+    mass = BilinearForm(lambda u, v, _: u * v).assemble(basis)
+    d = np.moveaxis(tensor, 0, -1)[..., None]
+    rates = BilinearForm(lambda u, v, w: dot(grad(u), mul(w["d"], grad(v))))
+    # entries are of size 1 to 10, rounding of size 1e-15; the stiffness has three points here
+    assert abs(op.mass - mass).max() < 1e-15
+    assert abs(op.stiffness - rates.assemble(basis, d=d)).max() < 1e-13
 
 
 def test_a_rolled_sheet_is_isometric():

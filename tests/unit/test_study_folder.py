@@ -65,6 +65,19 @@ def test_files_beside_a_run_do_not_matter_and_stay(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"notes.txt", *FILES}
 
 
+def test_all_files_are_on_the_disk_before_the_earlier_verdict_goes(tmp_path, monkeypatch):
+    (tmp_path / "verdict.json").write_text(FINISHED)
+    seen = []
+
+    def synced(path):
+        seen.append((path.name, (tmp_path / "verdict.json").read_text()))
+
+    monkeypatch.setattr("cardiosurf.study.folder.sync", synced)
+    staged(tmp_path, FILES).publish()
+    assert seen == [(name, FINISHED) for name in FILES]
+    assert (tmp_path / "verdict.json").read_text() == "new"
+
+
 def test_publishing_removes_what_the_earlier_run_left(tmp_path):
     for name in (*FILES, *FIGURES):
         (tmp_path / name).write_text("old")

@@ -9,7 +9,7 @@ from cardiosurf.errors import InputError
 from cardiosurf.geometry.regions import Box, BoxLimits
 from cardiosurf.geometry.surface import Surface
 from cardiosurf.tissue.patches import Patch, TissueSection, factors_of
-from cardiosurf.tissue.tensor import build_tissue
+from cardiosurf.tissue.tensor import along_net, build_tissue
 
 ANYWHERE = Box(BoxLimits())
 HALF = np.sqrt(0.5)
@@ -142,3 +142,13 @@ def test_errors_name_the_key_the_value_and_what_is_allowed(patch, mask, says):
 
 def test_factors_without_any_are_one():
     assert factors_of(Patch("p", ANYWHERE)) == 1.0
+
+
+def test_the_diffusivity_along_the_net_is_that_of_its_directions():
+    # e_a . d e_b by matrices, of a tensor with all its entries; sums of nine products of size 1
+    surface = two_parts()
+    factor = np.random.default_rng(2).normal(size=(2, 3, 3))
+    tensor = factor @ factor.transpose(0, 2, 1)
+    within = surface.frame @ tensor @ surface.frame.transpose(0, 2, 1)
+    expected = within[:, 0, 0], within[:, 0, 1], within[:, 1, 1]
+    np.testing.assert_allclose(along_net(surface, tensor), expected, rtol=0, atol=1e-14)
