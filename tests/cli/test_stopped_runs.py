@@ -114,7 +114,11 @@ LONG = ("--set", "mesh.edge_length=0.4", "--set", "time.step=0.04")
 
 
 def interrupted(strip, out, number):
-    """Start a run of several seconds, stop it by a signal after its first steps."""
+    """Start a run of several seconds, stop it by a signal after its first steps.
+
+    With nothing kept it would compile before its first step, which takes most of the minute that
+    it is given on a busy machine: ``whole`` has its machine code kept.
+    """
     process = subprocess.Popen(
         [sys.executable, "-m", "cardiosurf", "run", str(strip), "-o", str(out), *LONG],
         stdout=subprocess.PIPE,
@@ -131,6 +135,7 @@ def interrupted(strip, out, number):
     return process.returncode, stderr
 
 
+@pytest.mark.usefixtures("whole")
 def test_sigterm_stops_a_run_as_ctrl_c_does(strip, tmp_path):
     code, stderr = interrupted(strip, tmp_path / "out", signal.SIGTERM)
     assert code == 130, stderr
@@ -138,6 +143,7 @@ def test_sigterm_stops_a_run_as_ctrl_c_does(strip, tmp_path):
     assert (tmp_path / "out" / ".partial" / "checkpoint.npz").exists()
 
 
+@pytest.mark.usefixtures("whole")
 def test_a_stopped_run_is_marked_and_resumes_to_the_same_result(strip, tmp_path, cardiosurf):
     out = tmp_path / "out"
     code, stderr = interrupted(strip, out, signal.SIGINT)
@@ -162,6 +168,7 @@ def test_a_stopped_run_is_marked_and_resumes_to_the_same_result(strip, tmp_path,
     same_recordings(out, whole)
 
 
+@pytest.mark.usefixtures("whole")
 def test_a_killed_run_leaves_no_result_and_can_be_started_again(strip, tmp_path, cardiosurf):
     out = tmp_path / "out"
     interrupted(strip, out, signal.SIGKILL)
