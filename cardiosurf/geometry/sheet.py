@@ -149,4 +149,4 @@ def planar_delaunay(flat: Floats) -> Ints:
     turn = (x[two] - x[one]) * (y[three] - y[one]) - (y[two] - y[one]) * (x[three] - x[one])
     wrong = np.flatnonzero(turn < 0)
     found[wrong, 1], found[wrong, 2] = three[wrong], two[wrong]
-    return found
+    return np.asarray(found)
