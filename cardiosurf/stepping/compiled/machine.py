@@ -84,9 +84,12 @@ class _Slot:
         self._first = builder.zext(first, _INT64)
         self._entry = builder.mul(number, ir.Constant(_INT64, GROUP))
         self._places = _load(builder, places, self._entry, ir.VectorType(_INT8, GROUP))
-        at = builder.bitcast(builder.gep(places, [self._entry]), _INT64.as_pointer())
-        # as if other threads wrote it, or the compiler takes it out of a vector, byte by byte
-        self._packed = builder.load_atomic(at, "monotonic", 8)
+        self._packed: Any = None
+        if not _PICKS_OF_BOTH:
+            at = builder.bitcast(builder.gep(places, [self._entry]), _INT64.as_pointer())
+            # as if other threads wrote it, or the compiler takes it out of a vector, byte by byte;
+            # for the same reason it is loaded even where nobody asks for it
+            self._packed = builder.load_atomic(at, "monotonic", 8)
 
     def values(self, data: Any, kind: Any) -> Any:
         """Return the entries of a matrix."""
